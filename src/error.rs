@@ -1,0 +1,118 @@
+//! Every way in which the library can refuse, each naming the culprit.
+
+use std::path::PathBuf;
+
+/// What went wrong, with the name, file, key or pixel that is to be mended.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A number outside the range in which the physics is defined.
+    #[error("{name} = {value}: must be {allowed}")]
+    OutOfRange {
+        /// The quantity, by its name in the scene file or on the command line.
+        name: String,
+        /// The value given.
+        value: f64,
+        /// The allowed range, in words.
+        allowed: &'static str,
+    },
+    /// A file that cannot be opened or decoded.
+    #[error("{path}: cannot be read: {reason}")]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the decoder said.
+        reason: String,
+    },
+    /// A file or directory that cannot be written.
+    #[error("{path}: cannot be written: {source}")]
+    Write {
+        /// The file or directory.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// An image without the channel that is needed.
+    #[error("{path}: has no channel {wanted}; it holds {found}")]
+    MissingChannel {
+        /// The file.
+        path: PathBuf,
+        /// The channel names that would have served.
+        wanted: String,
+        /// The channel names present.
+        found: String,
+    },
+    /// One pixel holds a value that has no meaning there.
+    #[error("{path}: channel {channel}, pixel ({x}, {y}) is {value}: must be {allowed}")]
+    BadPixel {
+        /// The file.
+        path: PathBuf,
+        /// The channel.
+        channel: String,
+        /// Column, counted from the left, from 0.
+        x: usize,
+        /// Row, counted from the top, from 0.
+        y: usize,
+        /// The value found.
+        value: f64,
+        /// The allowed range, in words.
+        allowed: &'static str,
+    },
+    /// An image whose size does not fit the others.
+    #[error("{path}: is {found} px; {expected}")]
+    WrongSize {
+        /// The file.
+        path: PathBuf,
+        /// Its size, `WxH`.
+        found: String,
+        /// What would have fitted, in words.
+        expected: String,
+    },
+    /// A scene file that is not valid TOML, or has a missing, unknown or contradictory key.
+    #[error("{path}: {message}")]
+    Scene {
+        /// The scene file.
+        path: PathBuf,
+        /// What is wrong, with the key's name.
+        message: String,
+    },
+    /// A model that needs the planar second moment of the phase function, which does not exist.
+    #[error(
+        "model {model} needs the second moment of the phase function, and that of {phase} is infinite; \
+         use small-angle or single-scatter"
+    )]
+    NoSecondMoment {
+        /// The model's name.
+        model: &'static str,
+        /// The phase function's name.
+        phase: &'static str,
+    },
+    /// An option that the interface names and the program does not yet have.
+    #[error("{0} is not built yet")]
+    NotBuilt(String),
+    /// Input that is well formed but holds nothing that a fit could use.
+    #[error("nothing to fit: {0}")]
+    NothingToFit(String),
+    /// A computation that produced a number that is not finite.
+    #[error("{0}")]
+    NotFinite(String),
+}
+
+/// The library's result type.
+pub type Result<T> = std::result::Result<T, Error>;
+
+impl Error {
+    /// True where the user's input or usage is to blame, false where the machine is (disk full, say).
+    pub fn is_usage(&self) -> bool {
+        match self {
+            Error::Write { source, .. } => source.kind() != std::io::ErrorKind::StorageFull,
+            Error::NotFinite(_) => false,
+            _ => true,
+        }
+    }
+}
+
+/// Returns `value` if `ok`, else [`Error::OutOfRange`]. NaN fails every comparison, so it fails here.
+pub(crate) fn in_range(name: &str, value: f64, ok: bool, allowed: &'static str) -> Result<f64> {
+    if ok { Ok(value) } else { Err(Error::OutOfRange { name: name.to_string(), value, allowed }) }
+}

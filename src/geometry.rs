@@ -1,0 +1,187 @@
+//! Where things are: the camera, distances along its rays, and the length of a pixel at each of them.
+//!
+//! Axes: x to the right, y down (as rows of an image), z away from the camera. Distances are measured along the
+//! ray from the camera; the medium fills the space between `surface` and the object, so a ray's path length in it
+//! is z = depth - surface. This is the only place where pixels become lengths.
+
+use crate::error::{Error, Result, in_range};
+use crate::image::Image;
+use glam::DVec3;
+
+/// Pinhole or parallel projection.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Camera {
+    /// Parallel rays, `pixel_pitch` (length) apart.
+    Orthographic {
+        /// Length of a pixel.
+        pixel_pitch: f64,
+    },
+    /// Rays from one point; the object image spans `fov_x` (radians) horizontally, centred on the axis.
+    Perspective {
+        /// Horizontal field of view of the whole object image, radians.
+        fov_x: f64,
+    },
+}
+
+impl Camera {
+    /// Parallel rays, `pixel_pitch` (length) apart.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] unless the pitch is finite and above 0.
+    pub fn orthographic(pixel_pitch: f64) -> Result<Self> {
+        let ok = pixel_pitch.is_finite() && pixel_pitch > 0.0;
+        in_range("pixel_pitch", pixel_pitch, ok, "finite and above 0 (length)")?;
+        Ok(Self::Orthographic { pixel_pitch })
+    }
+
+    /// Rays from one point, `fov_x_deg` degrees across the width of the object image.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] unless the angle is above 0 and below 180 degrees.
+    pub fn perspective(fov_x_deg: f64) -> Result<Self> {
+        let ok = fov_x_deg > 0.0 && fov_x_deg < 180.0;
+        in_range("fov_x_deg", fov_x_deg, ok, "between 0 and 180, exclusive (degrees)")?;
+        Ok(Self::Perspective { fov_x: fov_x_deg.to_radians() })
+    }
+
+    /// Origin and unit direction of the ray through image position (`x`, `y`) px of an image of `size` (width,
+    /// height) px; pixel centres lie at half-integers.
+    pub fn ray(&self, x: f64, y: f64, size: (usize, usize)) -> (DVec3, DVec3) {
+        let (u, v) = (x - 0.5 * size.0 as f64, y - 0.5 * size.1 as f64);
+        match *self {
+            Camera::Orthographic { pixel_pitch } => {
+                (DVec3::new(u * pixel_pitch, v * pixel_pitch, 0.0), DVec3::Z)
+            }
+            Camera::Perspective { .. } => {
+                let slope = self.pitch_per_depth(size.0);
+                (DVec3::ZERO, DVec3::new(u * slope, v * slope, 1.0).normalize())
+            }
+        }
+    }
+
+    /// Length of a pixel per unit of z-depth in a perspective view `width` px wide; 0 for parallel rays.
+    fn pitch_per_depth(&self, width: usize) -> f64 {
+        match *self {
+            Camera::Orthographic { .. } => 0.0,
+            Camera::Perspective { fov_x } => 2.0 * (0.5 * fov_x).tan() / width as f64,
+        }
+    }
+}
+
+/// A number for the whole image, or one for each pixel.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Field {
+    /// One value everywhere.
+    Uniform(f64),
+    /// One value a pixel.
+    Map(Image),
+}
+
+impl Field {
+    /// The value at pixel (`x`, `y`).
+    pub fn at(&self, x: usize, y: usize) -> f64 {
+        match self {
+            Field::Uniform(v) => *v,
+            Field::Map(image) => f64::from(image.at(x, y)),
+        }
+    }
+}
+
+/// The farthest distance at which an object is taken to be there (contract: beyond, a pixel is empty).
+pub const FARTHEST: f64 = 1e9;
+
+/// Camera, object distance and medium surface of a scene, over the object image.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Geometry {
+    /// Width of the object image, px.
+    pub width: usize,
+    /// Height of the object image, px.
+    pub height: usize,
+    /// The projection.
+    pub camera: Camera,
+    /// Distance from the camera to the object along the ray; empty pixels are 0, negative, infinite or > 1e9.
+    pub depth: Field,
+    /// Distance from the camera to the medium's surface along the ray.
+    pub surface: Field,
+}
+
+impl Geometry {
+    /// One plane seen by parallel rays `pixel_pitch` apart, behind a path `z` of medium.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] unless pitch and `z` are finite and above 0.
+    pub fn planar(width: usize, height: usize, pixel_pitch: f64, z: f64) -> Result<Self> {
+        in_range("depth", z, z.is_finite() && z > 0.0, "finite and above 0 (length)")?;
+        Ok(Self {
+            width,
+            height,
+            camera: Camera::orthographic(pixel_pitch)?,
+            depth: Field::Uniform(z),
+            surface: Field::Uniform(0.0),
+        })
+    }
+
+    /// Distance to the object at pixel (`x`, `y`), or `None` where there is none.
+    pub fn object_distance(&self, x: usize, y: usize) -> Option<f64> {
+        let d = self.depth.at(x, y);
+        (d > 0.0 && d <= FARTHEST).then_some(d)
+    }
+
+    /// Path length z in the medium at pixel (`x`, `y`), or `None` where there is no object.
+    pub fn path_length(&self, x: usize, y: usize) -> Option<f64> {
+        self.object_distance(x, y).map(|d| d - self.surface.at(x, y))
+    }
+
+    /// Length of a pixel at the object, at pixel (`x`, `y`): constant for parallel rays, growing with the z-depth
+    /// in a perspective view.
+    pub fn pixel_pitch(&self, x: usize, y: usize) -> f64 {
+        match self.camera {
+            Camera::Orthographic { pixel_pitch } => pixel_pitch,
+            Camera::Perspective { .. } => {
+                self.camera.pitch_per_depth(self.width) * self.depth.at(x, y) * self.cos_off_axis(x, y)
+            }
+        }
+    }
+
+    /// Cosine of the angle between the ray through the centre of pixel (`x`, `y`) and the camera's axis.
+    pub fn cos_off_axis(&self, x: usize, y: usize) -> f64 {
+        let (_, direction) = self.camera.ray(x as f64 + 0.5, y as f64 + 0.5, (self.width, self.height));
+        direction.z
+    }
+
+    /// The path lengths of all pixels that show an object, in increasing order.
+    pub fn sorted_path_lengths(&self) -> Vec<f64> {
+        let pixels = (0..self.height).flat_map(|y| (0..self.width).map(move |x| (x, y)));
+        let mut z: Vec<f64> = pixels.filter_map(|(x, y)| self.path_length(x, y)).collect();
+        z.sort_by(f64::total_cmp);
+        z
+    }
+
+    /// Refuses an object before the medium's surface, and a scene without any object.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] that names the pixel; [`Error::NothingToFit`] if every pixel is empty.
+    pub fn check(&self) -> Result<()> {
+        let mut any = false;
+        for y in 0..self.height {
+            for x in 0..self.width {
+                if let Some(z) = self.path_length(x, y) {
+                    any = true;
+                    let name = || format!("depth - surface at pixel ({x}, {y})");
+                    if !(z > 0.0 && z.is_finite()) {
+                        return Err(Error::OutOfRange {
+                            name: name(),
+                            value: z,
+                            allowed: "above 0: the object lies before the medium's surface",
+                        });
+                    }
+                }
+            }
+        }
+        if any {
+            Ok(())
+        } else {
+            Err(Error::NothingToFit("no pixel of the depth map shows an object".into()))
+        }
+    }
+}

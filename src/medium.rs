@@ -1,0 +1,105 @@
+//! The homogeneous, index-matched scattering medium.
+//!
+//! `sigma_s` and `sigma_a` are the scattering and the absorption coefficient, in 1/length; everything else
+//! about the amount of light is derived from them. The direction of scattered light is the
+//! [`PhaseFunction`](crate::phase::PhaseFunction)'s.
+
+use crate::error::{Result, in_range};
+
+/// Scattering and absorption coefficient of a homogeneous medium, 1/length.
+///
+/// ```
+/// use narrowbeam::medium::Medium;
+/// let fog = Medium::new(0.95, 0.05)?;
+/// assert!((fog.transmittance(2.0) - (-2.0_f64).exp()).abs() < 1e-15);
+/// # Ok::<(), narrowbeam::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Medium {
+    sigma_s: f64,
+    sigma_a: f64,
+}
+
+impl Medium {
+    /// A medium of scattering coefficient `sigma_s` and absorption coefficient `sigma_a`, both in 1/length.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless both are finite and at least 0.
+    pub fn new(sigma_s: f64, sigma_a: f64) -> Result<Self> {
+        let allowed = "finite and at least 0 (1/length)";
+        let ok = |v: f64| v.is_finite() && v >= 0.0;
+        Ok(Self {
+            sigma_s: in_range("sigma_s", sigma_s, ok(sigma_s), allowed)?,
+            sigma_a: in_range("sigma_a", sigma_a, ok(sigma_a), allowed)?,
+        })
+    }
+
+    /// Scattering coefficient, 1/length.
+    pub fn sigma_s(&self) -> f64 {
+        self.sigma_s
+    }
+
+    /// Absorption coefficient, 1/length.
+    pub fn sigma_a(&self) -> f64 {
+        self.sigma_a
+    }
+
+    /// Extinction coefficient sigma_s + sigma_a, 1/length.
+    pub fn sigma_t(&self) -> f64 {
+        self.sigma_s + self.sigma_a
+    }
+
+    /// Single-scattering albedo sigma_s / sigma_t; 0 in a vacuum.
+    pub fn albedo(&self) -> f64 {
+        if self.sigma_t() > 0.0 { self.sigma_s / self.sigma_t() } else { 0.0 }
+    }
+
+    /// Scattering optical depth tau = sigma_s z over the path length `z`.
+    pub fn tau(&self, z: f64) -> f64 {
+        self.sigma_s * z
+    }
+
+    /// Unscattered share exp(-sigma_t z) of the light (Beer-Lambert) over the path length `z`.
+    pub fn transmittance(&self, z: f64) -> f64 {
+        (-self.sigma_t() * z).exp()
+    }
+
+    /// Share exp(-sigma_a z)(1 - exp(-sigma_s z)) of the light that is scattered and not absorbed, in
+    /// small-angle theory (Shinya et al., eq. 20).
+    pub fn scattered_total(&self, z: f64) -> f64 {
+        -(-self.sigma_a * z).exp() * (-self.tau(z)).exp_m1()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn transmittance_multiplies_over_segments() {
+        let medium = Medium::new(0.7, 0.3).unwrap();
+        let whole = medium.transmittance(1.7);
+        let parts = medium.transmittance(0.5) * medium.transmittance(1.2);
+        assert!((whole - parts).abs() < 1e-15);
+    }
+
+    #[test]
+    fn direct_and_scattered_light_add_up_to_what_is_not_absorbed() {
+        let medium = Medium::new(0.7, 0.3).unwrap();
+        let kept = medium.transmittance(2.0) + medium.scattered_total(2.0);
+        assert!((kept - (-0.6_f64).exp()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_negative_or_nan_coefficient_is_refused_by_name() {
+        let message = Medium::new(-0.1, 0.0).unwrap_err().to_string();
+        assert!(message.contains("sigma_s = -0.1"), "{message}");
+        let message = Medium::new(0.1, f64::NAN).unwrap_err().to_string();
+        assert!(message.contains("sigma_a"), "{message}");
+    }
+
+    #[test]
+    fn a_vacuum_has_albedo_zero() {
+        assert_eq!(Medium::new(0.0, 0.0).unwrap().albedo(), 0.0);
+    }
+}
