@@ -87,6 +87,16 @@ pub enum Error {
         /// The phase function's name.
         phase: &'static str,
     },
+    /// A name that is none of those known.
+    #[error("unknown {what} {name}; known are {known}")]
+    UnknownName {
+        /// The kind of thing named.
+        what: &'static str,
+        /// The name given.
+        name: String,
+        /// The names that would have served.
+        known: String,
+    },
     /// An option that the interface names and the program does not yet have.
     #[error("{0} is not built yet")]
     NotBuilt(String),

@@ -157,6 +157,15 @@ impl Geometry {
         z
     }
 
+    /// Median length of a pixel at the object.
+    pub fn median_pixel_pitch(&self) -> f64 {
+        let pixels = (0..self.height).flat_map(|y| (0..self.width).map(move |x| (x, y)));
+        let shown = pixels.filter(|&(x, y)| self.object_distance(x, y).is_some());
+        let mut pitches: Vec<f64> = shown.map(|(x, y)| self.pixel_pitch(x, y)).collect();
+        pitches.sort_by(f64::total_cmp);
+        pitches[pitches.len() / 2]
+    }
+
     /// Refuses an object before the medium's surface, and a scene without any object.
     ///
     /// # Errors

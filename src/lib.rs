@@ -1,10 +1,13 @@
 //! narrowbeam
 pub mod error;
+pub mod filter;
+pub mod fit;
 pub mod geometry;
 pub mod image;
 pub mod medium;
 pub mod phase;
-pub mod scene;
 mod quadrature;
+pub mod scene;
+pub mod spread;
 
 pub use error::{Error, Result};

@@ -17,3 +17,14 @@ pub(crate) fn integrate(a: f64, b: f64, panels: usize, f: impl Fn(f64) -> f64) -
         })
         .sum()
 }
+
+/// Nodes and weights of the same rule, for integrands with several values.
+pub(crate) fn nodes(a: f64, b: f64, panels: usize) -> Vec<(f64, f64)> {
+    let h = (b - a) / panels as f64;
+    (0..panels)
+        .flat_map(|i| {
+            let middle = a + h * (i as f64 + 0.5);
+            RULE.iter().map(move |&(x, w)| (middle + 0.5 * h * x, 0.5 * h * w))
+        })
+        .collect()
+}

@@ -122,6 +122,10 @@ impl PhaseFunction for Gaussian {
         mean_gaussian_slope(self.b.sqrt() * q) / (2.0 * self.b)
     }
 
+    fn planar_width(&self) -> f64 {
+        self.b.sqrt()
+    }
+
     fn planar_second_moment(&self) -> Option<f64> {
         Some(4.0 * self.b)
     }

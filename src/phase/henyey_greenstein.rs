@@ -21,11 +21,6 @@ impl HenyeyGreenstein {
     pub fn new(g: f64) -> Result<Self> {
         Ok(Self { g: in_range("g", g, g > 0.0 && g < 1.0, "between 0 and 1, exclusive")? })
     }
-
-    /// Planar width a = (1-g)/sqrt(g), radians.
-    pub fn planar_width(&self) -> f64 {
-        (1.0 - self.g) / self.g.sqrt()
-    }
 }
 
 impl PhaseFunction for HenyeyGreenstein {
@@ -66,6 +61,11 @@ impl PhaseFunction for HenyeyGreenstein {
     fn mean_planar_transform_derivative(&self, q: f64) -> f64 {
         let slope = (self.planar_transform(q) - self.mean_planar_transform(q)) / self.planar_width();
         -slope * (1.0 + self.g) / (2.0 * self.g.powf(1.5))
+    }
+
+    /// a = (1-g)/sqrt(g).
+    fn planar_width(&self) -> f64 {
+        (1.0 - self.g) / self.g.sqrt()
     }
 
     fn planar_second_moment(&self) -> Option<f64> {

@@ -11,7 +11,7 @@
 mod gaussian;
 mod henyey_greenstein;
 
-pub use gaussian::Gaussian;
+pub use gaussian::{Gaussian, b_of_spread_angle, encircled_erfc, mean_gaussian, mean_gaussian_slope};
 pub use henyey_greenstein::HenyeyGreenstein;
 
 /// What the tracer and the spread kernels need to know of a phase function.
@@ -45,6 +45,9 @@ pub trait PhaseFunction: Send + Sync + std::fmt::Debug {
 
     /// dF/d(shape) at `q`, shape being the one parameter of the phase function: B or g.
     fn mean_planar_transform_derivative(&self, q: f64) -> f64;
+
+    /// The angle on which the planar lobe varies: sqrt(B) or a, rad.
+    fn planar_width(&self) -> f64;
 
     /// Planar second moment <s²>, rad²; `None` where it is infinite.
     fn planar_second_moment(&self) -> Option<f64>;

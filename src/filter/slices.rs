@@ -1,0 +1,177 @@
+//! Depth slices: a few path lengths that stand for all of a depth map's.
+//!
+//! The filter's transfer function at any depth is a smooth function of the path length z and of the magnification
+//! a = pitch/z; it is interpolated by polynomials on Chebyshev nodes. So slice i filters the image weighted with
+//! the i-th basis polynomial at each pixel's own (z, a). With parallel rays a follows from z and the nodes lie
+//! along z alone; in a perspective view they form a grid. A map of a few distinct depths gets exactly those.
+
+use super::footprint::Chebyshev;
+use super::{Optics, Target};
+use crate::error::Result;
+use crate::geometry::Camera;
+use crate::spread::Dual;
+
+/// One slice: a path length and the length of a pixel at it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Node {
+    /// Path length, length.
+    pub z: f64,
+    /// Length of a pixel.
+    pub pitch: f64,
+}
+
+/// Slices of one target.
+#[derive(Debug, Clone)]
+pub struct Slices {
+    /// The slices' path lengths and pitches.
+    pub nodes: Vec<Node>,
+    layout: Layout,
+}
+
+#[derive(Debug, Clone)]
+enum Layout {
+    /// Nodes at exactly these increasing path lengths.
+    Exact(Vec<f64>),
+    /// Nodes along z.
+    Line(Chebyshev),
+    /// Nodes along z for each magnification.
+    Grid { z: Chebyshev, magnification: Chebyshev },
+}
+
+/// Range of a quantity over the pixels of a target.
+#[derive(Debug, Clone, Copy)]
+struct Range {
+    low: f64,
+    high: f64,
+}
+
+impl Range {
+    fn of(values: impl Iterator<Item = f64>) -> Self {
+        values.fold(Range { low: f64::INFINITY, high: f64::NEG_INFINITY }, |r, v| Range {
+            low: r.low.min(v),
+            high: r.high.max(v),
+        })
+    }
+}
+
+impl Slices {
+    /// `count` slices along z for `target`, fewer if it has fewer distinct path lengths.
+    pub fn new(target: &Target, count: usize) -> Self {
+        let g = target.geometry;
+        let nodes: Vec<Node> = object_nodes(target).collect();
+        match g.camera {
+            Camera::Orthographic { pixel_pitch } => {
+                let node = |z: f64| Node { z, pitch: pixel_pitch };
+                let mut distinct = nodes.iter().map(|n| n.z).collect::<Vec<_>>();
+                distinct.sort_by(f64::total_cmp);
+                distinct.dedup();
+                if distinct.len() <= count {
+                    return Self {
+                        nodes: distinct.iter().map(|&z| node(z)).collect(),
+                        layout: Layout::Exact(distinct),
+                    };
+                }
+                let range = Range::of(distinct.into_iter());
+                let line = Chebyshev::new(count, range.low, range.high);
+                Self { nodes: line.x.iter().map(|&z| node(z)).collect(), layout: Layout::Line(line) }
+            }
+            Camera::Perspective { .. } => {
+                let z = Range::of(nodes.iter().map(|n| n.z));
+                let a = Range::of(nodes.iter().map(|n| n.pitch / n.z));
+                let z = Chebyshev::new(if z.high > z.low { count } else { 1 }, z.low, z.high);
+                // Pitch and path length are nearly proportional, so this range is short: half the nodes serve.
+                let many = if a.high > a.low * (1.0 + 1e-9) { count.div_ceil(2).max(2) } else { 1 };
+                let magnification = Chebyshev::new(many, a.low, a.high);
+                let nodes =
+                    magnification.x.iter().flat_map(|&a| z.x.iter().map(move |&z| Node { z, pitch: a * z }));
+                Self { nodes: nodes.collect(), layout: Layout::Grid { z, magnification } }
+            }
+        }
+    }
+
+    /// Weight of every slice for a pixel whose own node is `at`; they add up to 1.
+    pub fn weights(&self, at: Node) -> Vec<f64> {
+        match &self.layout {
+            Layout::Exact(depths) => depths.iter().map(|&z| f64::from(u8::from(z == at.z))).collect(),
+            Layout::Line(line) => line.basis(at.z),
+            Layout::Grid { z, magnification } => {
+                let along_z = z.basis(at.z);
+                let weights = magnification.basis(at.pitch / at.z);
+                weights.iter().flat_map(|a| along_z.iter().map(move |z| a * z)).collect()
+            }
+        }
+    }
+
+    /// Largest error of the interpolated transfer functions over sample pixels and frequencies, relative to the
+    /// scattered light.
+    ///
+    /// # Errors
+    /// As [`Optics::kernel`].
+    pub fn error(&self, target: &Target, optics: &Optics) -> Result<f64> {
+        if matches!(self.layout, Layout::Exact(_)) {
+            return Ok(0.0);
+        }
+        let kernels = self.nodes.iter().map(|n| optics.kernel(n.z)).collect::<Result<Vec<_>>>()?;
+        let samples = sample_nodes(target);
+        let mut worst: f64 = 0.0;
+        for at in samples {
+            let kernel = optics.kernel(at.z)?;
+            let weights = self.weights(at);
+            for i in 0..FREQUENCIES {
+                let w = std::f64::consts::PI * 0.5_f64.powf(0.5 * i as f64);
+                let slice = |(k, n): (&Box<dyn crate::spread::SpreadKernel + '_>, &Node)| {
+                    k.scattered_transfer(w / n.pitch)
+                };
+                let parts: Vec<Dual> = kernels.iter().zip(&self.nodes).map(slice).collect();
+                let sum: f64 = parts.iter().zip(&weights).map(|(d, w)| d.value * w).sum();
+                let want = kernel.scattered_transfer(w / at.pitch).value;
+                worst = worst.max((sum - want).abs() / kernel.scattered().max(f64::MIN_POSITIVE));
+            }
+        }
+        Ok(worst)
+    }
+
+    /// The fewest slices whose [`error`](Self::error) stays under `tolerance`, at most [`MOST_SLICES`].
+    ///
+    /// # Errors
+    /// As [`Optics::kernel`].
+    pub fn for_tolerance(target: &Target, optics: &Optics, tolerance: f64) -> Result<Self> {
+        let mut count = 2;
+        loop {
+            let slices = Self::new(target, count);
+            if slices.nodes.len() < count
+                || count >= MOST_SLICES
+                || slices.error(target, optics)? <= tolerance
+            {
+                return Ok(slices);
+            }
+            count += count.div_ceil(3);
+        }
+    }
+}
+
+/// Slices along z beyond which no more are taken.
+pub const MOST_SLICES: usize = 40;
+/// Frequencies, from pi rad/px down by half-octaves, at which slices are judged.
+const FREQUENCIES: usize = 16;
+/// Pixels at which slices are judged.
+const SAMPLES: usize = 48;
+
+/// The node of pixel (`x`, `y`), or `None` if it shows no object.
+pub fn pixel_node(target: &Target, x: usize, y: usize) -> Option<Node> {
+    let g = target.geometry;
+    g.path_length(x, y).map(|z| Node { z, pitch: g.pixel_pitch(x, y) })
+}
+
+fn object_nodes<'a>(target: &'a Target) -> impl Iterator<Item = Node> + 'a {
+    let g = target.geometry;
+    (0..g.width * g.height).filter_map(move |i| pixel_node(target, i % g.width, i / g.width))
+}
+
+/// Pixels spread evenly over the order of their path lengths.
+fn sample_nodes(target: &Target) -> Vec<Node> {
+    let mut nodes: Vec<Node> = object_nodes(target).collect();
+    nodes.sort_by(|a, b| a.z.total_cmp(&b.z));
+    let step = (nodes.len() / SAMPLES).max(1);
+    nodes.into_iter().step_by(step).collect()
+}

@@ -1,0 +1,289 @@
+//! The optimisers, as argmin solvers: Levenberg-Marquardt within bounds (argmin has none) and argmin's Nelder-Mead.
+//! The only file that mentions argmin.
+
+use super::Problem;
+use super::parameters::Bounds;
+use super::residual::NormalEquations;
+use crate::error::{Error, Result};
+use argmin::core::{
+    CostFunction, Executor, IterState, KV, Operator, Problem as Counted, Solver, State, TerminationReason,
+    TerminationStatus,
+};
+use argmin::solver::neldermead::NelderMead;
+use nalgebra::{Matrix3, Vector3};
+use std::str::FromStr;
+
+/// Choice of optimiser.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// Damped Gauss-Newton with analytic derivatives (Levenberg 1944, Marquardt 1963).
+    LevenbergMarquardt,
+    /// Simplex without derivatives (Nelder and Mead 1965).
+    NelderMead,
+}
+
+impl FromStr for Method {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self> {
+        match name {
+            "levenberg-marquardt" => Ok(Method::LevenbergMarquardt),
+            "nelder-mead" => Ok(Method::NelderMead),
+            _ => Err(Error::UnknownName {
+                what: "solver",
+                name: name.into(),
+                known: "levenberg-marquardt, nelder-mead".into(),
+            }),
+        }
+    }
+}
+
+/// Where an optimiser stopped.
+pub(super) struct Outcome {
+    pub point: [f64; 3],
+    pub equations: NormalEquations,
+    pub converged: bool,
+    pub stop: String,
+    pub iterations: u64,
+    pub evaluations: u64,
+}
+
+/// Minimises `problem` from its parameters' values.
+pub(super) fn run(problem: Problem, method: Method, max_iterations: u64) -> Result<Outcome> {
+    match method {
+        Method::LevenbergMarquardt => run_levenberg_marquardt(problem, max_iterations),
+        Method::NelderMead => run_nelder_mead(problem, max_iterations),
+    }
+}
+
+/// The library's own error out of argmin's.
+fn ours(error: argmin::core::Error) -> Error {
+    error.downcast::<Error>().unwrap_or_else(|other| Error::NotFinite(other.to_string()))
+}
+
+impl Operator for Problem<'_> {
+    type Param = [f64; 3];
+    type Output = NormalEquations;
+
+    fn apply(&self, u: &[f64; 3]) -> std::result::Result<NormalEquations, argmin::core::Error> {
+        Ok(self.equations(u)?)
+    }
+}
+
+/// Relative decrease of the cost, predicted by the quadratic model, at which a fit has converged: with 10^5 pixels
+/// a thousandth of a standard error.
+const CONVERGED: f64 = 1e-11;
+/// Damping at the start, relative to the matrix' diagonal, and beyond which no step can help.
+const FIRST_DAMPING: f64 = 1e-3;
+const LAST_DAMPING: f64 = 1e12;
+/// Longest step in a logarithm; sigma_a's is set by its bounds.
+const LONGEST_STEP: f64 = 1.5;
+/// Least curvature for damping, relative to the diagonal before gain and veil were eliminated.
+const LEAST_CURVATURE: f64 = 1e-9;
+
+/// Levenberg-Marquardt on normal equations, projected on bounds: a parameter on a bound that the gradient pushes
+/// against is held for the step, and steps are cut at bounds.
+struct LevenbergMarquardt {
+    bounds: [Bounds; 3],
+    held: [bool; 3],
+    damping: f64,
+    current: NormalEquations,
+    status: TerminationStatus,
+}
+
+type Iteration = IterState<[f64; 3], (), (), (), (), f64>;
+
+impl LevenbergMarquardt {
+    fn new(problem: &Problem) -> Self {
+        let parameters = problem.parameters();
+        Self {
+            bounds: parameters.internal_bounds(),
+            held: std::array::from_fn(|i| parameters.is_fixed(i)),
+            damping: FIRST_DAMPING,
+            current: NormalEquations::default(),
+            status: TerminationStatus::NotTerminated,
+        }
+    }
+
+    /// The damped step from `u`, cut at the bounds.
+    fn step(&self, u: &[f64; 3]) -> Vector3<f64> {
+        let NormalEquations { gradient, matrix, diagonal, .. } = &self.current;
+        let blocked: [bool; 3] = std::array::from_fn(|i| {
+            let [low, high] = self.bounds[i];
+            self.held[i] || (u[i] <= low && gradient[i] > 0.0) || (u[i] >= high && gradient[i] < 0.0)
+        });
+        let mut damped = *matrix;
+        let mut downhill = -gradient;
+        for i in 0..3 {
+            damped[(i, i)] += self.damping * matrix[(i, i)].max(LEAST_CURVATURE * diagonal[i]);
+            if blocked[i] || diagonal[i] == 0.0 {
+                damped.fill_row(i, 0.0);
+                damped.fill_column(i, 0.0);
+                damped[(i, i)] = 1.0;
+                downhill[i] = 0.0;
+            }
+        }
+        let step = solve(&damped, &downhill);
+        let longest = (0..3).step_by(2).map(|i| step[i].abs()).fold(0.0, f64::max);
+        let step = if longest > LONGEST_STEP { step * (LONGEST_STEP / longest) } else { step };
+        Vector3::from_fn(|i, _| (u[i] + step[i]).clamp(self.bounds[i][0], self.bounds[i][1]) - u[i])
+    }
+
+    fn stop(&mut self, reason: TerminationReason) {
+        self.status = TerminationStatus::Terminated(reason);
+    }
+}
+
+/// Solution of a symmetric system, by Cholesky where it is positive and by the pseudo-inverse where it is not.
+fn solve(matrix: &Matrix3<f64>, right: &Vector3<f64>) -> Vector3<f64> {
+    match matrix.cholesky() {
+        Some(cholesky) => cholesky.solve(right),
+        None => {
+            matrix.pseudo_inverse(f64::EPSILON).map_or_else(|_| Vector3::zeros(), |inverse| inverse * right)
+        }
+    }
+}
+
+impl<'a> Solver<Problem<'a>, Iteration> for LevenbergMarquardt {
+    fn name(&self) -> &str {
+        "Levenberg-Marquardt"
+    }
+
+    fn init(
+        &mut self,
+        problem: &mut Counted<Problem<'a>>,
+        state: Iteration,
+    ) -> std::result::Result<(Iteration, Option<KV>), argmin::core::Error> {
+        let u = *state.get_param().expect("the executor is given a start");
+        self.current = problem.apply(&u)?;
+        let cost = self.current.cost;
+        Ok((state.cost(cost), None))
+    }
+
+    fn next_iter(
+        &mut self,
+        problem: &mut Counted<Problem<'a>>,
+        state: Iteration,
+    ) -> std::result::Result<(Iteration, Option<KV>), argmin::core::Error> {
+        let u = *state.get_param().expect("set at the start");
+        while self.damping < LAST_DAMPING {
+            let step = self.step(&u);
+            let predicted = -self.current.gradient.dot(&step) - 0.5 * (self.current.matrix * step).dot(&step);
+            if predicted <= CONVERGED * self.current.cost {
+                self.stop(TerminationReason::SolverConverged);
+                break;
+            }
+            let trial: [f64; 3] = std::array::from_fn(|i| u[i] + step[i]);
+            let equations = problem.apply(&trial)?;
+            let ratio = (self.current.cost - equations.cost) / predicted;
+            if ratio > 0.0 {
+                // Nielsen's rule: the better the quadratic model, the less damping.
+                self.damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).clamp(0.1, 2.0);
+                self.current = equations;
+                return Ok((state.param(trial).cost(self.current.cost), None));
+            }
+            self.damping *= 8.0;
+        }
+        if self.damping >= LAST_DAMPING {
+            self.stop(TerminationReason::SolverExit("no step lowers the cost".into()));
+        }
+        Ok((state, None))
+    }
+
+    fn terminate(&mut self, _state: &Iteration) -> TerminationStatus {
+        self.status.clone()
+    }
+}
+
+fn run_levenberg_marquardt(problem: Problem, max_iterations: u64) -> Result<Outcome> {
+    let solver = LevenbergMarquardt::new(&problem);
+    let start = problem.parameters().internal();
+    let run = Executor::new(problem, solver)
+        .configure(|state| state.param(start).max_iters(max_iterations))
+        .timer(false)
+        .run()
+        .map_err(ours)?;
+    let reason = run.state.get_termination_reason();
+    Ok(Outcome {
+        point: *run.state.get_param().expect("a run ends with a point"),
+        converged: reason == Some(&TerminationReason::SolverConverged),
+        stop: reason.map_or_else(|| "unknown".into(), |r| r.text().to_string()),
+        iterations: run.state.get_iter(),
+        evaluations: run.problem.counts.get("operator_count").copied().unwrap_or(0),
+        equations: run.solver.current,
+    })
+}
+
+/// The cost over the free coordinates, for the simplex; beyond a bound it grows with the distance.
+struct Simplex<'a> {
+    problem: Problem<'a>,
+    start: [f64; 3],
+    bounds: [Bounds; 3],
+    free: Vec<usize>,
+}
+
+impl Simplex<'_> {
+    fn place(&self, free: &[f64]) -> ([f64; 3], f64) {
+        let (mut u, mut outside) = (self.start, 0.0);
+        for (&i, &v) in self.free.iter().zip(free) {
+            let [low, high] = self.bounds[i];
+            u[i] = v.clamp(low, high);
+            outside += (v - u[i]).abs() / (high - low);
+        }
+        (u, outside)
+    }
+}
+
+impl CostFunction for Simplex<'_> {
+    type Param = Vec<f64>;
+    type Output = f64;
+
+    fn cost(&self, free: &Vec<f64>) -> std::result::Result<f64, argmin::core::Error> {
+        let (u, outside) = self.place(free);
+        Ok(self.problem.cost(&u)? * (1.0 + outside))
+    }
+}
+
+/// Spread of the simplex' costs, relative to the cost, at which it has converged.
+const SIMPLEX_CONVERGED: f64 = 1e-10;
+/// Iterations of the simplex for each that Levenberg-Marquardt would be given.
+const SIMPLEX_ITERATIONS: u64 = 10;
+
+fn run_nelder_mead(problem: Problem, max_iterations: u64) -> Result<Outcome> {
+    let parameters = problem.parameters();
+    let start = parameters.internal();
+    let bounds = parameters.internal_bounds();
+    let free: Vec<usize> = (0..3).filter(|&i| !parameters.is_fixed(i)).collect();
+    let first: Vec<f64> = free.iter().map(|&i| start[i]).collect();
+    // A quarter in the logarithms; sigma_a by a quarter of sigma_s, the natural scale at hand.
+    let edge = |i: usize| if i == 1 { 0.25 * start[0].exp() } else { 0.25 };
+    let corner = |(n, &i): (usize, &usize)| {
+        let mut corner = first.clone();
+        let inward = if corner[n] + edge(i) > bounds[i][1] { -1.0 } else { 1.0 };
+        corner[n] += inward * edge(i);
+        corner
+    };
+    let corners = std::iter::once(first.clone()).chain(free.iter().enumerate().map(corner)).collect();
+    let simplex = Simplex { start, bounds, free, problem };
+    let tolerance = SIMPLEX_CONVERGED * simplex.cost(&first).map_err(ours)?;
+    let solver =
+        NelderMead::new(corners).with_sd_tolerance(tolerance.max(f64::MIN_POSITIVE)).map_err(ours)?;
+    let mut run = Executor::new(simplex, solver)
+        .configure(|state| state.max_iters(SIMPLEX_ITERATIONS * max_iterations))
+        .timer(false)
+        .run()
+        .map_err(ours)?;
+    let reason = run.state.get_termination_reason().cloned();
+    let best = run.state.get_best_param().expect("a run ends with a point").clone();
+    let evaluations = run.problem.counts.get("cost_count").copied().unwrap_or(0);
+    let simplex = run.problem.take_problem().expect("the executor hands the problem back");
+    let (point, _) = simplex.place(&best);
+    Ok(Outcome {
+        point,
+        equations: simplex.problem.equations(&point)?,
+        converged: reason == Some(TerminationReason::SolverConverged),
+        stop: reason.map_or_else(|| "unknown".into(), |r| r.text().to_string()),
+        iterations: run.state.get_iter(),
+        evaluations: evaluations + 1,
+    })
+}

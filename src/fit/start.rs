@@ -1,0 +1,155 @@
+//! Starting values from the images themselves.
+//!
+//! Fine detail survives only in the direct light, so the regression of the observation's Laplacian on the object's
+//! gives the direct share T; the ratio of the mean levels gives what was not absorbed. Hence sigma_t and sigma_a,
+//! and sigma_s between them. The width B is the best of a few tried with the real renderer, and so is the split
+//! itself: in thick media the blurred light is taken for direct light, so larger depths are tried too.
+
+use super::residual::{Datum, Observed, VeilTerm};
+use super::{Parameters, with_optics};
+use crate::error::Result;
+use crate::filter::cpu::CpuFilter;
+use crate::filter::slices::Slices;
+use crate::scene::{FitOptions, Gain};
+use crate::spread::Model;
+
+/// Blur widths tried, as shares of the view's smaller side.
+const WIDTHS: [f64; 5] = [0.01, 0.025, 0.06, 0.14, 0.3];
+/// Factors on the scattering depth tried.
+const DEPTHS: [f64; 2] = [1.0, 2.5];
+/// Range of scattering depths to begin from.
+const TAU: (f64, f64) = (0.1, 8.0);
+/// Slices are few and padding half an image: a start need not be exact.
+const SLICES: usize = 5;
+
+/// Chooses the values that the user has neither fixed nor started; returns the number of renders.
+pub(super) fn choose(
+    parameters: &mut Parameters,
+    options: &FitOptions,
+    data: &[Datum],
+    observed: &mut [Observed],
+    model: Model,
+    median_z: f64,
+) -> Result<u64> {
+    let splits: Vec<Split> = data.iter().map(|d| Split::of(d, median_z)).collect();
+    let mean = |f: fn(&Split) -> f64| splits.iter().map(f).sum::<f64>() / splits.len() as f64;
+    let (sigma_s, sigma_a) = (mean(|s| s.sigma_s), mean(|s| s.sigma_a));
+    let open: [bool; 3] = std::array::from_fn(|i| options.start[i].is_none() && !parameters.is_fixed(i));
+    let (scan_depth, scan_width) = (open[0] && model.spreads(), open[2]);
+    for (i, value) in [(0, sigma_s), (1, sigma_a)] {
+        if open[i] {
+            parameters.set(i, value);
+        }
+    }
+    if !scan_width && !scan_depth {
+        return Ok(0);
+    }
+    let narrowest = |d: &Datum| d.target.view.width.min(d.target.view.height) as f64;
+    let pitch = |d: &Datum| d.target.geometry.median_pixel_pitch();
+    let width_of = |share: f64| share * narrowest(&data[0]) * pitch(&data[0]) / median_z;
+    let widths: Vec<f64> =
+        if scan_width { WIDTHS.map(|w| width_of(w).powi(2)).to_vec() } else { vec![parameters.values()[2]] };
+    let depths: &[f64] = if scan_depth { &DEPTHS } else { &[1.0] };
+    let filters: Vec<CpuFilter> = data
+        .iter()
+        .map(|d| CpuFilter::with_slices(d.target, Slices::new(&d.target, SLICES), 0.5 * narrowest(d)))
+        .collect();
+    let first = parameters.clone();
+    let mut best = f64::INFINITY;
+    let mut renders = 0;
+    for &depth in depths {
+        for &b in &widths {
+            let mut trial = first.clone();
+            trial.set(0, first.values()[0] * depth);
+            trial.set(2, b);
+            let mut cost = 0.0;
+            for (filter, observed) in filters.iter().zip(observed.iter()) {
+                cost += observed.cost(&with_optics(&trial, model, |optics| filter.render(optics))?);
+                renders += 1;
+            }
+            if cost < best {
+                best = cost;
+                *parameters = trial;
+            }
+        }
+    }
+    Ok(renders)
+}
+
+/// Coefficients from one scene's direct share and mean level.
+struct Split {
+    sigma_s: f64,
+    sigma_a: f64,
+}
+
+impl Split {
+    fn of(datum: &Datum, median_z: f64) -> Self {
+        let gain = match datum.gain {
+            Gain::Fixed(gain) => gain,
+            Gain::Free => 1.0,
+        };
+        let level = (level_ratio(datum) / gain).max(1e-6);
+        let direct = detail_ratio(datum).map_or(0.4 * level, |d| (d / gain).clamp(1e-6, level));
+        let tau = (level / direct).ln().clamp(TAU.0, TAU.1);
+        // With a free gain the level says nothing of the absorption.
+        let absorbed = if datum.gain == Gain::Free { 0.0 } else { -level.min(1.0).ln() };
+        Self { sigma_s: tau / median_z, sigma_a: absorbed / median_z }
+    }
+}
+
+/// Pairs of (object, observation) over the view's pixels that count, for `f` of both images.
+fn pixel_pairs(
+    datum: &Datum,
+    f: impl Fn(&dyn Fn(usize, usize) -> f64, usize, usize) -> f64,
+) -> Vec<(f64, f64)> {
+    let view = datum.target.view;
+    let object = |x: usize, y: usize| f64::from(datum.target.radiance.at(view.x + x, view.y + y));
+    let observed = |x: usize, y: usize| f64::from(datum.observed.at(x, y));
+    let counts = |x: usize, y: usize| {
+        let around = [(x, y), (x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)];
+        around.iter().all(|&(x, y)| {
+            datum.mask.is_none_or(|m| m.at(x, y) > 0.0)
+                && datum.target.geometry.path_length(view.x + x, view.y + y).is_some()
+        })
+    };
+    let inner = |n: usize| 1..n.saturating_sub(1);
+    inner(view.height)
+        .flat_map(|y| inner(view.width).map(move |x| (x, y)))
+        .filter(|&(x, y)| counts(x, y))
+        .map(|(x, y)| (f(&object, x, y), f(&observed, x, y)))
+        .collect()
+}
+
+/// Regression of the observation's Laplacian on the object's: the direct share; `None` if the object has no detail.
+fn detail_ratio(datum: &Datum) -> Option<f64> {
+    let laplacian = |image: &dyn Fn(usize, usize) -> f64, x: usize, y: usize| {
+        4.0 * image(x, y) - image(x - 1, y) - image(x + 1, y) - image(x, y - 1) - image(x, y + 1)
+    };
+    let (mut both, mut object) = (0.0, 0.0);
+    for (o, y) in pixel_pairs(datum, laplacian) {
+        both += o * y;
+        object += o * o;
+    }
+    (object > 0.0).then(|| both / object)
+}
+
+/// Mean level of the observation over the object's; with a free veil, the slope between their means over blocks.
+fn level_ratio(datum: &Datum) -> f64 {
+    let pairs = pixel_pairs(datum, |image, x, y| image(x, y));
+    let known_veil = match datum.veil {
+        VeilTerm::Fixed(v) => v,
+        VeilTerm::Image(image) => image.mean(),
+        VeilTerm::Free => 0.0,
+    };
+    let mean =
+        |f: fn(&(f64, f64)) -> f64, of: &[(f64, f64)]| of.iter().map(f).sum::<f64>() / of.len().max(1) as f64;
+    if !matches!(datum.veil, VeilTerm::Free) {
+        return (mean(|p| p.1, &pairs) - known_veil) / mean(|p| p.0, &pairs).max(f64::MIN_POSITIVE);
+    }
+    let blocks: Vec<(f64, f64)> =
+        pairs.chunks((pairs.len() / 64).max(1)).map(|c| (mean(|p| p.0, c), mean(|p| p.1, c))).collect();
+    let (x, y) = (mean(|p| p.0, &blocks), mean(|p| p.1, &blocks));
+    let covariance: f64 = blocks.iter().map(|b| (b.0 - x) * (b.1 - y)).sum();
+    let variance: f64 = blocks.iter().map(|b| (b.0 - x) * (b.0 - x)).sum();
+    if variance > 0.0 { covariance / variance } else { 1.0 }
+}

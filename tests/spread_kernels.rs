@@ -1,0 +1,192 @@
+//! Spread kernels: identities between psf, encircled energy and transfer function, and derivatives.
+
+use libm::j0;
+use narrowbeam::Error;
+use narrowbeam::medium::Medium;
+use narrowbeam::phase::{Gaussian, HenyeyGreenstein, PhaseFunction};
+use narrowbeam::spread::{Model, SpreadKernel, second_moments};
+use std::f64::consts::PI;
+
+const MEDIA: [(f64, f64, f64, f64); 5] = [
+    // sigma_s, sigma_a, B, z
+    (0.1, 0.0, 0.003, 0.5),
+    (0.95, 0.05, 0.0049, 2.0),
+    (1.5, 0.3, 0.002, 3.0),
+    (4.0, 0.1, 0.001, 2.0),
+    (0.4, 1.0, 0.01, 1.0),
+];
+
+/// ∫_a^b f by Simpson's rule on `n` intervals, uniform in ln r.
+fn log_simpson(a: f64, b: f64, n: usize, f: impl Fn(f64) -> f64) -> f64 {
+    let h = (b / a).ln() / n as f64;
+    (0..=n)
+        .map(|i| {
+            let r = a * (h * i as f64).exp();
+            let weight = if i == 0 || i == n { 1.0 } else { 2.0 + 2.0 * (i % 2) as f64 };
+            weight * r * f(r)
+        })
+        .sum::<f64>()
+        * h
+        / 3.0
+}
+
+fn for_each_kernel(mut check: impl FnMut(Model, &dyn SpreadKernel, (f64, f64, f64, f64))) {
+    for (sigma_s, sigma_a, b, z) in MEDIA {
+        let medium = Medium::new(sigma_s, sigma_a).unwrap();
+        let phase = Gaussian::new(b).unwrap();
+        for model in Model::ALL {
+            check(model, &*model.kernel(&medium, &phase, z).unwrap(), (sigma_s, sigma_a, b, z));
+        }
+    }
+}
+
+#[test]
+fn encircled_energy_is_the_integral_of_the_psf_and_tends_to_the_scattered_total() {
+    for_each_kernel(|model, kernel, medium| {
+        let w = medium.3 * medium.2.sqrt();
+        let start = 1e-4 * w;
+        for r in [0.3 * w, w, 3.0 * w] {
+            let ring = log_simpson(start, r, 1000, |r| 2.0 * PI * r * kernel.psf(r));
+            let want = kernel.encircled_energy(r) - kernel.encircled_energy(start);
+            // Simpson's own error at this step, relative to the whole.
+            assert!(
+                (ring - want).abs() <= 2e-8 * kernel.scattered() + 1e-15,
+                "{model} {medium:?} {r}: {ring} {want}"
+            );
+        }
+        let all = kernel.encircled_energy(60.0 * w);
+        assert!((all - kernel.scattered()).abs() <= 1e-9 * kernel.scattered(), "{model} {medium:?}");
+    });
+}
+
+#[test]
+fn psf_and_transfer_function_are_a_transform_pair() {
+    for_each_kernel(|model, kernel, medium| {
+        let w = medium.3 * medium.2.sqrt();
+        for k in [0.2 / w, 1.0 / w, 3.0 / w] {
+            // Inside the start radius J0 = 1 - (k r)²/4, which changes the total by 1e-8 at most.
+            let start = 1e-4 * w;
+            let outer = log_simpson(start, 15.0 * w, 3000, |r| 2.0 * PI * r * kernel.psf(r) * j0(k * r));
+            let sum = outer + kernel.encircled_energy(start);
+            let want = kernel.scattered_transfer(k).value;
+            assert!((sum - want).abs() <= 1e-7 * kernel.scattered(), "{model} {medium:?} {k}: {sum} {want}");
+        }
+    });
+}
+
+#[test]
+fn a_wrong_psf_is_not_a_transform_pair() {
+    let phase = Gaussian::new(0.0049).unwrap();
+    let medium = Medium::new(0.95, 0.05).unwrap();
+    let kernel = Model::SmallAngle.kernel(&medium, &phase, 2.0).unwrap();
+    let other = Model::NarrowBeam.kernel(&medium, &phase, 2.0).unwrap();
+    let k = 1.0 / kernel.width();
+    let start = 1e-4 * kernel.width();
+    let sum = log_simpson(start, 15.0 * kernel.width(), 3000, |r| 2.0 * PI * r * other.psf(r) * j0(k * r));
+    assert!((sum - kernel.scattered_transfer(k).value).abs() > 1e-3);
+}
+
+#[test]
+fn transfer_function_derivatives_match_central_differences() {
+    for (sigma_s, sigma_a, b, z) in MEDIA {
+        let at = |p: [f64; 3], model: Model, k: f64| {
+            let phase = Gaussian::new(p[2]).unwrap();
+            model.kernel(&Medium::new(p[0], p[1]).unwrap(), &phase, z).unwrap().mtf(k)
+        };
+        // sigma_a is moved off its bound so that the difference can be central.
+        let p = [sigma_s, sigma_a + 0.01, b];
+        for model in Model::ALL {
+            for x in [0.0, 0.03, 0.5, 2.0, 20.0] {
+                let k = x / (z * b.sqrt());
+                let analytic = at(p, model, k).gradient;
+                for i in 0..3 {
+                    let h = 1e-4 * p[i];
+                    let (mut up, mut down) = (p, p);
+                    up[i] += h;
+                    down[i] -= h;
+                    let difference = (at(up, model, k).value - at(down, model, k).value) / (2.0 * h);
+                    // Third derivatives are of order value / p³: relative step squared, plus rounding of M / h.
+                    let bound = 1e-7 * (z + 1.0 / p[i]);
+                    assert!(
+                        (analytic[i] - difference).abs() <= bound,
+                        "{model} parameter {i} at {p:?}, x {x}: {} {difference}",
+                        analytic[i]
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn small_angle_has_the_exact_second_moment() {
+    for (sigma_s, sigma_a, b, z) in MEDIA {
+        let medium = Medium::new(sigma_s, sigma_a).unwrap();
+        let phase = Gaussian::new(b).unwrap();
+        let kernel = Model::SmallAngle.kernel(&medium, &phase, z).unwrap();
+        // M(k) = M(0) - R k²/4 + O(k⁴).
+        let k = 1e-3 / (z * b.sqrt());
+        let moment = 4.0 * (kernel.mtf(0.0).value - kernel.mtf(k).value) / (k * k);
+        let exact = second_moments(&medium, b, z).0;
+        assert!((moment / exact - 1.0).abs() < 1e-4, "{moment} {exact}");
+        let formula = 4.0 / 3.0 * sigma_s * b * z.powi(3) * (-sigma_a * z).exp();
+        assert!((exact / formula - 1.0).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn every_model_but_single_scatter_keeps_the_scattered_total() {
+    for_each_kernel(|model, kernel, (sigma_s, sigma_a, _, z)| {
+        let phi = (-sigma_a * z).exp() * (1.0 - (-sigma_s * z).exp());
+        let want = match model {
+            Model::BeerLambert => 0.0,
+            Model::SingleScatter => sigma_s * z * (-(sigma_s + sigma_a) * z).exp(),
+            _ => phi,
+        };
+        assert!((kernel.scattered() - want).abs() < 1e-14, "{model}");
+    });
+}
+
+#[test]
+fn all_models_agree_with_small_angle_where_little_is_scattered() {
+    let medium = Medium::new(1e-3, 0.2).unwrap();
+    let phase = Gaussian::new(0.005).unwrap();
+    let truth = Model::SmallAngle.kernel(&medium, &phase, 1.0).unwrap();
+    for model in [Model::SingleScatter, Model::NarrowBeam, Model::NarrowBeamPrinted] {
+        let kernel = model.kernel(&medium, &phase, 1.0).unwrap();
+        for x in [0.1, 1.0, 5.0] {
+            let k = x / truth.width();
+            let (a, b) = (kernel.scattered_transfer(k).value, truth.scattered_transfer(k).value);
+            // The next order is tau relative to the first.
+            assert!((a - b).abs() < 2e-3 * b, "{model} {x}: {a} {b}");
+        }
+    }
+}
+
+#[test]
+fn moment_matched_models_refuse_henyey_greenstein_by_name() {
+    let medium = Medium::new(1.0, 0.0).unwrap();
+    let phase = HenyeyGreenstein::new(0.95).unwrap();
+    for model in [Model::Gaussian, Model::NarrowBeam, Model::NarrowBeamPrinted] {
+        let error = model.kernel(&medium, &phase, 1.0).err().expect("refused");
+        assert!(matches!(error, Error::NoSecondMoment { .. }));
+        let message = error.to_string();
+        assert!(message.contains(model.name()) && message.contains("henyey-greenstein"), "{message}");
+    }
+    for model in [Model::SingleScatter, Model::SmallAngle] {
+        let kernel = model.kernel(&medium, &phase, 1.0).unwrap();
+        let w = phase.planar_width();
+        let ring = log_simpson(1e-5 * w, w, 800, |r| 2.0 * PI * r * kernel.psf(r));
+        let want = kernel.encircled_energy(w) - kernel.encircled_energy(1e-5 * w);
+        assert!((ring - want).abs() < 1e-7, "{model}: {ring} {want}");
+    }
+}
+
+#[test]
+fn models_are_found_by_name_and_others_refused() {
+    for model in Model::ALL {
+        assert_eq!(model.name().parse::<Model>().unwrap(), model);
+    }
+    assert!(matches!("wide-angle".parse::<Model>(), Err(Error::NotBuilt(_))));
+    assert!("wide".parse::<Model>().unwrap_err().to_string().contains("small-angle"));
+}
