@@ -4,7 +4,8 @@ pub mod geometry;
 pub mod image;
 pub mod medium;
 pub mod phase;
-pub mod scene;
 mod quadrature;
+pub mod scene;
+pub mod trace;
 
 pub use error::{Error, Result};
