@@ -163,12 +163,15 @@ fn the_image_of_an_edge_is_the_edge_spread_of_the_radial_tally() {
     assert!(chi2 > 48.0 + 10.0 * 96.0_f64.sqrt(), "{chi2}");
 }
 
+/// Where pixel (x, y) of an image of n x n pixels goes.
+type Turn = fn(usize, usize, usize) -> (usize, usize);
+
 #[test]
 fn mirrored_and_turned_scenes_have_mirrored_and_turned_images() {
     let n = 16;
     let pattern = |x: usize, y: usize| ((x * 7 + y * 3 + x * y) % 11) as f32 / 10.0;
     let slope = |x: usize, y: usize| 0.9 + 0.3 * x as f32 / n as f32 + 0.1 * y as f32 / n as f32;
-    let scene = |seed, turn: fn(usize, usize, usize) -> (usize, usize)| {
+    let scene = |seed, turn: Turn| {
         let mut setup = Setup::plane(n, n, |x, y| {
             let (x, y) = turn(x, y, n);
             pattern(x, y)
@@ -180,8 +183,7 @@ fn mirrored_and_turned_scenes_have_mirrored_and_turned_images() {
         Setup { seed, samples: 200, ..setup }.trace()
     };
     let straight = scene(1, |x, y, _| (x, y));
-    let turns: [(&str, fn(usize, usize, usize) -> (usize, usize)); 2] =
-        [("mirror", |x, y, n| (n - 1 - x, y)), ("turn", |x, y, n| (y, n - 1 - x))];
+    let turns: [(&str, Turn); 2] = [("mirror", |x, y, n| (n - 1 - x, y)), ("turn", |x, y, n| (y, n - 1 - x))];
     for (name, turn) in turns {
         let turned = scene(2, turn);
         let back = |image: &Image| {

@@ -64,17 +64,17 @@ impl Projection {
 
     /// Share of the way from depth `z0` to depth `z1` in space for the share `s` of the way in (u, v, h).
     #[inline]
-    pub(super) fn share_in_space(&self, s: f64, z0: f64, z1: f64) -> f64 {
+    fn share_in_space(&self, s: f64, z0: f64, z1: f64) -> f64 {
         if self.perspective { s * z0 / (z1 * (1.0 - s) + s * z0) } else { s }
     }
 }
 
-/// Part of a line, as parameters of its point a + s (b - a).
-pub(super) type Range = (f64, f64);
+/// Part of a line, as parameters of its points.
+type Range = (f64, f64);
 
 /// The part of `range` on which a + s (b - a) lies between `low` and `high` in one coordinate, or `None`.
 #[inline]
-pub(super) fn clip(range: Range, a: f64, b: f64, low: f64, high: f64) -> Option<Range> {
+fn clip(range: Range, a: f64, b: f64, low: f64, high: f64) -> Option<Range> {
     let slope = b - a;
     if slope == 0.0 {
         return (a >= low && a <= high).then_some(range);
@@ -84,17 +84,68 @@ pub(super) fn clip(range: Range, a: f64, b: f64, low: f64, high: f64) -> Option<
     (clipped.0 <= clipped.1).then_some(clipped)
 }
 
-/// Visits, in order, the columns that a + s (b - a) crosses for s in `range`, with the s of entry and exit, until
-/// `visit` breaks or the range ends. `None` when it ended; also `None` after [`MAX_COLUMNS`].
-#[inline]
-pub(super) fn march<T>(
+/// The part of a straight segment within some depths, projected: the points a + s (b - a) for s in a range.
+#[derive(Debug)]
+pub(super) struct Segment {
+    projection: Projection,
     a: DVec3,
     b: DVec3,
     range: Range,
+    /// Distances of a and b from the start of the whole segment, and their depths.
+    ends: Range,
+    depths: Range,
+}
+
+impl Segment {
+    /// The part between two depths (in perspective, both above 0) of the segment from `p` in direction `d`.
+    #[inline]
+    pub(super) fn new(
+        projection: Projection,
+        p: DVec3,
+        d: DVec3,
+        length: f64,
+        (near, far): (f64, f64),
+    ) -> Option<Self> {
+        let ends = clip((0.0, length), p.z, p.z + d.z, near, far)?;
+        let (first, last) = (p + d * ends.0, p + d * ends.1);
+        let (a, b) = (projection.project(first), projection.project(last));
+        Some(Self { projection, a, b, range: (0.0, 1.0), ends, depths: (first.z, last.z) })
+    }
+
+    /// The part of it over an image of this size.
+    pub(super) fn over_image(self, size: [usize; 2]) -> Option<Self> {
+        let range = clip(self.range, self.a.x, self.b.x, 0.0, size[0] as f64)?;
+        let range = clip(range, self.a.y, self.b.y, 0.0, size[1] as f64)?;
+        Some(Self { range, ..self })
+    }
+
+    /// Whether it begins where the whole segment begins.
+    pub(super) fn is_unclipped_at_start(&self) -> bool {
+        self.ends.0 == 0.0 && self.range.0 == 0.0
+    }
+
+    /// (u, v, h) at parameter `s`.
+    #[inline]
+    pub(super) fn at(&self, s: f64) -> DVec3 {
+        self.a + (self.b - self.a) * s
+    }
+
+    /// Distance in space of that point from the start of the whole segment.
+    pub(super) fn distance(&self, s: f64) -> f64 {
+        self.ends.0
+            + (self.ends.1 - self.ends.0) * self.projection.share_in_space(s, self.depths.0, self.depths.1)
+    }
+}
+
+/// Visits, in order, the columns that a segment crosses, with the parameters of entry and exit, until `visit` breaks
+/// or the segment ends. `None` when it ended, and after [`MAX_COLUMNS`].
+#[inline]
+pub(super) fn march<T>(
+    segment: &Segment,
     mut visit: impl FnMut([i64; 2], f64, f64) -> ControlFlow<T>,
 ) -> Option<T> {
-    let step = b - a;
-    let start = a + step * range.0;
+    let (a, step, range) = (segment.a, segment.b - segment.a, segment.range);
+    let start = segment.at(range.0);
     let mut column = [start.x.floor() as i64, start.y.floor() as i64];
     // Parameter of the next wall and between walls, along u and along v.
     let axis = |a: f64, step: f64, column: i64| {
@@ -134,11 +185,13 @@ mod tests {
 
     #[test]
     fn the_march_visits_the_columns_under_a_line_in_order() {
-        let (a, b) = (DVec3::new(0.5, 0.5, 0.0), DVec3::new(3.5, -1.0, 0.0));
+        let view = Projection::new(Camera::orthographic(1.0).unwrap(), 2, 2);
+        let (p, d) = (DVec3::new(-0.5, -0.5, 1.0), DVec3::new(3.0, -1.5, 1.0));
+        let segment = Segment::new(view, p, d, 1.0, (0.0, 9.0)).unwrap();
         let mut seen = Vec::new();
         let mut last = 0.0;
-        let end: Option<()> = march(a, b, (0.0, 1.0), |column, entry, exit| {
-            let middle = a + (b - a) * (0.5 * (entry + exit));
+        let end: Option<()> = march(&segment, |column, entry, exit| {
+            let middle = segment.at(0.5 * (entry + exit));
             assert_eq!([middle.x.floor() as i64, middle.y.floor() as i64], column);
             assert_eq!(entry, last);
             last = exit;

@@ -8,7 +8,7 @@
 //! Outside the image, `Clamp` repeats the outermost Z-depths without slope across the border, `Mirror` mirrors depths
 //! and slopes, `Zero` has nothing there.
 
-use super::march::{Projection, Range, clip, march};
+use super::march::{Projection, Segment, march};
 use super::surface::{Meeting, pixel};
 use crate::geometry::{FARTHEST, Geometry};
 use crate::image::Border;
@@ -35,6 +35,12 @@ impl Patch {
     #[inline]
     fn height(&self, u: f64, v: f64) -> f64 {
         self.h + self.slope[0] * (u - self.centre[0]) + self.slope[1] * (v - self.centre[1])
+    }
+
+    /// How much higher a point (u, v, h) is than the plane: above 0 behind it, below 0 before it.
+    #[inline]
+    fn height_beyond(&self, p: DVec3) -> f64 {
+        p.z - self.height(p.x, p.y)
     }
 }
 
@@ -135,20 +141,13 @@ impl Patches {
     /// The part of a segment between the surface's smallest and largest depth (and, with nothing outside, over the
     /// image), projected.
     #[inline]
-    fn clipped(&self, p: DVec3, d: DVec3, length: f64) -> Option<Clipped> {
+    fn clipped(&self, p: DVec3, d: DVec3, length: f64) -> Option<Segment> {
         // A little more, so that a crossing at the very end of the range has a before and an after.
         let margin = 1e-3 * self.projection.pitch(self.depths.0);
         let (near, far) = (self.depths.0 - margin, self.depths.1 + margin);
         let near = if self.projection.is_perspective() { near.max(0.5 * self.depths.0) } else { near };
-        let (start, end) = clip((0.0, length), p.z, p.z + d.z, near, far)?;
-        let (first, last) = (p + d * start, p + d * end);
-        let (a, b) = (self.projection.project(first), self.projection.project(last));
-        let mut range = (0.0, 1.0);
-        if self.border == Border::Zero {
-            range = clip(range, a.x, b.x, 0.0, self.size[0] as f64)?;
-            range = clip(range, a.y, b.y, 0.0, self.size[1] as f64)?;
-        }
-        Some(Clipped { a, b, range, start, end, z: (first.z, last.z) })
+        let segment = Segment::new(self.projection, p, d, length, (near, far))?;
+        if self.border == Border::Zero { segment.over_image(self.size) } else { Some(segment) }
     }
 
     /// First meeting with the object.
@@ -161,11 +160,11 @@ impl Patches {
         let Some(segment) = self.clipped(p, d, length) else { return Meeting::Nothing };
         let mut last: Option<Patch> = None;
         let mut before = true;
-        let found = march(segment.a, segment.b, segment.range, |column, entry, exit| {
+        let found = march(&segment, |column, entry, exit| {
             let patch = self.patch(column);
-            let (f_in, f_out) = (segment.height_above(&patch, entry), segment.height_above(&patch, exit));
-            let hit =
-                |s| Meeting::Object { pixel: patch.pixel, distance: segment.distance(s, &self.projection) };
+            let (f_in, f_out) =
+                (patch.height_beyond(segment.at(entry)), patch.height_beyond(segment.at(exit)));
+            let hit = |s| Meeting::Object { pixel: patch.pixel, distance: segment.distance(s) };
             let now = f_in < 0.0;
             match &last {
                 Some(last) if now != before && self.joined(last, &patch) => {
@@ -191,12 +190,14 @@ impl Patches {
         if p.z.min(p.z + d.z * length) > self.depths.1 {
             return false;
         }
-        let Some(segment) = self.clipped(p, d, length) else { return d.z < 0.0 };
-        let mut first = segment.start == 0.0;
-        march(segment.a, segment.b, segment.range, |column, entry, exit| {
+        let Some(segment) = self.clipped(p, d, length) else {
+            return p.z.max(p.z + d.z * length) < self.depths.0;
+        };
+        let mut first = segment.is_unclipped_at_start();
+        march(&segment, |column, entry, exit| {
             let patch = self.patch(column);
-            let f_out = segment.height_above(&patch, exit);
-            let outside = f_out < 0.0 && !(first && f_out >= segment.height_above(&patch, entry));
+            let f_out = patch.height_beyond(segment.at(exit));
+            let outside = f_out < 0.0 && !(first && f_out >= patch.height_beyond(segment.at(entry)));
             first = false;
             if outside { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         })
@@ -210,27 +211,78 @@ fn joined(projection: &Projection, z0: f64, z1: f64) -> bool {
     (z0 - z1).abs() <= EDGE * projection.pitch(z0.min(z1))
 }
 
-/// A segment between the depths of a surface, projected.
-struct Clipped {
-    a: DVec3,
-    b: DVec3,
-    range: Range,
-    /// Distances of its ends from the start of the whole segment.
-    start: f64,
-    end: f64,
-    z: (f64, f64),
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Camera, Field};
+    use crate::image::Image;
+    use crate::trace::Stream;
 
-impl Clipped {
-    /// Height of the point a + s (b - a) above (behind) the plane of a patch.
-    #[inline]
-    fn height_above(&self, patch: &Patch, s: f64) -> f64 {
-        let p = self.a + (self.b - self.a) * s;
-        p.z - patch.height(p.x, p.y)
+    const SIZE: (usize, usize) = (32, 24);
+
+    fn patches(camera: Camera, border: Border, distance: impl Fn(DVec3, DVec3) -> f64) -> Patches {
+        let (width, height) = SIZE;
+        let map = Image::from_fn(width, height, |x, y| {
+            let (start, direction) = camera.ray(x as f64 + 0.5, y as f64 + 0.5, SIZE);
+            distance(start, direction) as f32
+        });
+        let geometry =
+            Geometry { width, height, camera, depth: Field::Map(map), surface: Field::Uniform(0.0) };
+        Patches::new(&geometry, border, |x, y| geometry.depth.at(x, y))
     }
 
-    /// Distance of that point from the start of the whole segment.
-    fn distance(&self, s: f64, projection: &Projection) -> f64 {
-        self.start + (self.end - self.start) * projection.share_in_space(s, self.z.0, self.z.1)
+    #[test]
+    fn a_tilted_plane_is_hit_where_it_is_by_either_camera() {
+        let normal = DVec3::new(0.5, -0.2, 1.0);
+        for camera in [Camera::orthographic(0.1).unwrap(), Camera::perspective(60.0).unwrap()] {
+            let plane = |start: DVec3, d: DVec3| (4.0 - normal.dot(start)) / normal.dot(d);
+            let map = patches(camera, Border::Zero, plane);
+            let mut stream = Stream::new(Stream::key(1), 0);
+            let mut uniform = || stream.uniform_f64() - 0.5;
+            let mut hits = 0;
+            for _ in 0..10_000 {
+                let start = DVec3::new(2.0 * uniform(), 2.0 * uniform(), 1.5 + uniform());
+                let direction = DVec3::new(uniform(), uniform(), 0.6 + uniform()).normalize();
+                let truth = plane(start, direction);
+                match map.meet(start, direction, 10.0) {
+                    Meeting::Object { distance, .. } => {
+                        hits += 1;
+                        // The map holds f32.
+                        assert!((distance - truth).abs() < 1e-5 * truth, "{start} {direction}");
+                        assert_eq!(map.meet(start, direction, 0.999 * truth), Meeting::Nothing);
+                        let beyond = start + direction * 1.1 * truth;
+                        let p = map.projection.project(beyond);
+                        if map.at(p.x, p.y).is_some() {
+                            assert!(map.is_left(beyond, -direction, truth));
+                            assert!(!map.is_left(beyond, -direction, 0.05 * truth));
+                        }
+                    }
+                    // Past the image.
+                    _ => {
+                        let p = map.projection.project(start + direction * truth);
+                        let (u, v) = (p.x / SIZE.0 as f64, p.y / SIZE.1 as f64);
+                        assert!(truth < 0.0 || u.min(v) < 1e-6 || u.max(v) > 1.0 - 1e-6 || truth > 10.0);
+                    }
+                }
+            }
+            assert!(hits > 5000, "{hits}");
+        }
+    }
+
+    #[test]
+    fn no_path_slips_through_the_cracks_of_a_wavy_surface() {
+        for border in [Border::Clamp, Border::Mirror] {
+            let camera = Camera::orthographic(0.1).unwrap();
+            let map = patches(camera, border, |p, _| 2.0 + 0.3 * (3.0 * p.x).sin() * (4.0 * p.y).cos());
+            let mut stream = Stream::new(Stream::key(2), 0);
+            let mut uniform = || stream.uniform_f64() - 0.5;
+            for _ in 0..20_000 {
+                let start = DVec3::new(6.0 * uniform(), 6.0 * uniform(), 1.0);
+                let direction = DVec3::new(4.0 * uniform(), 4.0 * uniform(), 1.0).normalize();
+                let through = 2.0 / direction.z;
+                assert!(matches!(map.meet(start, direction, through), Meeting::Object { .. }), "{border:?}");
+                assert!(map.is_left(start + direction * through, -direction, through), "{border:?}");
+            }
+        }
     }
 }
