@@ -9,5 +9,6 @@ pub mod phase;
 mod quadrature;
 pub mod scene;
 pub mod spread;
+pub mod trace;
 
 pub use error::{Error, Result};

@@ -1,0 +1,55 @@
+//! Photon tracer: the independent witness for everything that the kernels and the filter claim.
+//!
+//! Light is followed through the full three-dimensional transport equation of a homogeneous, index-matched
+//! medium, without small angles. A path starts at the medium's surface, flies free distances of density
+//! sigma_s exp(-sigma_s t), and is turned by the [`PhaseFunction`](crate::phase::PhaseFunction) in between;
+//! absorption is continuous, a weight exp(-sigma_a L) on the total path length L in the medium. By reciprocity
+//! (Gordon, Appl. Opt. 33, 1120, 1994) paths started at the camera see the object as its light sees the camera.
+//! A path that leaves through the medium's front surface is lost, and the object's first crossing ends it.
+//!
+//! [`trace_radial`] tallies where a pencil beam crosses planes at many depths; [`trace_image`] makes the image
+//! of a scene with its variance. Both give the same numbers, bit for bit, for any number of threads.
+//! This module uses nothing of the kernels, the filter or the fit, so that agreement with them means something.
+//!
+//! Not modelled: refraction at the surface, light scattered in from the illumination, light between objects.
+
+mod image;
+mod march;
+mod patches;
+mod path;
+mod radial;
+mod rng;
+mod surface;
+mod tally;
+
+pub use image::{ImageConfig, TracedImage, trace_image};
+pub use path::{Path, free_path};
+pub use radial::{RadialConfig, RadialProfile, log_spaced, trace_radial};
+pub use rng::Stream;
+
+/// sigma_a L at which a path is given up: it carries 1e-26 of its light.
+const OPAQUE: f32 = 60.0;
+
+/// A Monte-Carlo mean with its standard error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// The mean over all paths.
+    pub value: f64,
+    /// Standard deviation of that mean.
+    pub std_error: f64,
+}
+
+impl Estimate {
+    /// Mean and standard error over `paths` independent paths from the sums of their scores and squared scores.
+    fn from_sums(sum: f64, sum_of_squares: f64, paths: u64) -> Self {
+        let n = paths as f64;
+        let value = sum / n;
+        let variance = (sum_of_squares / n - value * value).max(0.0);
+        Self { value, std_error: (variance / (n - 1.0).max(1.0)).sqrt() }
+    }
+
+    /// How many standard errors the estimate lies above `truth`.
+    pub fn z_score(&self, truth: f64) -> f64 {
+        (self.value - truth) / self.std_error
+    }
+}
