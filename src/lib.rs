@@ -1,10 +1,12 @@
 //! narrowbeam
+pub mod cli;
 pub mod error;
 pub mod geometry;
 pub mod image;
+pub mod io;
 pub mod medium;
 pub mod phase;
-pub mod scene;
 mod quadrature;
+pub mod scene;
 
 pub use error::{Error, Result};
