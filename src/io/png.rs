@@ -86,8 +86,8 @@ mod tests {
     fn a_picture_has_the_transfer_curve_applied_once() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.png");
-        // 0.214041 of white is sRGB 0.5.
-        write_picture(&path, &[channel("Y", [0.428_082, 2.0])], Tone { white: 2.0 }).unwrap();
+        // 0.215861 of white is the level 128.
+        write_picture(&path, &[channel("Y", [0.431_721, 2.0])], Tone { white: 2.0 }).unwrap();
         assert_eq!(pixels(&path), [128, 128, 128, 255, 255, 255]);
         let rgb = [channel("R", [2.0, 0.0]), channel("G", [0.0, 2.0]), channel("B", [0.0, f32::NAN])];
         write_picture(&path, &rgb, Tone { white: 2.0 }).unwrap();

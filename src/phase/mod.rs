@@ -11,7 +11,7 @@
 mod gaussian;
 mod henyey_greenstein;
 
-pub use gaussian::Gaussian;
+pub use gaussian::{Gaussian, b_of_spread_angle};
 pub use henyey_greenstein::HenyeyGreenstein;
 
 /// What the tracer and the spread kernels need to know of a phase function.

@@ -26,10 +26,15 @@ pub struct ExrFile {
     /// The file.
     pub path: PathBuf,
     /// Its channels in the order of the file, with the name of their part in front if there are several parts.
-    pub channels: Vec<Channel>,
+    pub(super) all: Vec<Channel>,
 }
 
 impl ExrFile {
+    /// All its channels.
+    pub fn all(&self) -> &[Channel] {
+        &self.all
+    }
+
     /// Reads every channel of `path`.
     ///
     /// # Errors
@@ -40,7 +45,7 @@ impl ExrFile {
         // Damaged bytes are not known to make the decoder panic; should they, it is the file's fault all the same.
         let decoded = std::panic::catch_unwind(|| decode(&bytes));
         let channels = decoded.unwrap_or_else(|_| Err("the decoder gave up".into())).map_err(failed)?;
-        Ok(Self { path: path.to_path_buf(), channels })
+        Ok(Self { path: path.to_path_buf(), all: channels })
     }
 }
 
@@ -51,20 +56,28 @@ impl ExrFile {
 pub fn size(path: &Path) -> Result<(usize, usize)> {
     let failed = |reason: String| Error::Read { path: path.to_path_buf(), reason };
     let file = std::fs::File::open(path).map_err(|e| failed(e.to_string()))?;
-    let meta = MetaData::read_from_unbuffered(file, false).map_err(|e| failed(e.to_string()))?;
+    let meta = MetaData::read_from_unbuffered(file, false).map_err(|e| failed(reason(e)))?;
     let header = meta.headers.first().ok_or_else(|| failed("it has no image".into()))?;
     Ok((header.layer_size.0, header.layer_size.1))
 }
 
+/// What the decoder's error means to the file's owner.
+fn reason(error: ::exr::error::Error) -> String {
+    match error {
+        ::exr::error::Error::Invalid(what) => format!("no EXR file, or truncated or damaged ({what})"),
+        other => other.to_string(),
+    }
+}
+
 fn decode(bytes: &[u8]) -> std::result::Result<Vec<Channel>, String> {
-    let chunks = ::exr::block::read(Cursor::new(bytes), false).map_err(|e| e.to_string())?;
+    let chunks = ::exr::block::read(Cursor::new(bytes), false).map_err(reason)?;
     for header in chunks.headers() {
         check_header(header, bytes.len())?;
     }
     // One thread: a panic in another one could not be caught, and the images are small.
     let layers = ::exr::image::read::read().no_deep_data().largest_resolution_level();
     let reader = layers.all_channels().all_layers().all_attributes().non_parallel();
-    let image = reader.from_chunks(chunks).map_err(|e| e.to_string())?;
+    let image = reader.from_chunks(chunks).map_err(reason)?;
     let several = image.layer_data.len() > 1;
     let mut channels = Vec::new();
     for layer in image.layer_data {

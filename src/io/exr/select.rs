@@ -25,13 +25,22 @@ impl ExrFile {
         plain.or_else(layered).ok_or_else(|| self.missing("Y, nor R, G and B of one layer"))
     }
 
+    /// Exactly the channels `names`, such as those of another image, bare or behind one layer prefix.
+    ///
+    /// # Errors
+    /// [`Error::MissingChannel`] with the names present.
+    pub fn channels(&self, names: &[&str]) -> Result<Vec<Channel>> {
+        let found = self.under("", names).or_else(|| self.in_layer(names));
+        found.ok_or_else(|| self.missing(&names.join(", ")))
+    }
+
     /// Distance, planar or along the ray.
     ///
     /// # Errors
     /// [`Error::MissingChannel`] with the names present.
     pub fn depth(&self) -> Result<Channel> {
-        let by_layer = || self.channels.iter().find(|c| in_depth_layer(&c.name));
-        let by_suffix = || self.channels.iter().find(|c| c.name.ends_with(".Z") && !self.is_vector(&c.name));
+        let by_layer = || self.all.iter().find(|c| in_depth_layer(&c.name));
+        let by_suffix = || self.all.iter().find(|c| c.name.ends_with(".Z") && !self.is_vector(&c.name));
         let found = self.find("Z").or_else(|| self.find("Y")).or_else(by_layer).or_else(by_suffix);
         found.cloned().ok_or_else(|| self.missing("Z, Y, depth.* or *.Z"))
     }
@@ -41,7 +50,7 @@ impl ExrFile {
     /// # Errors
     /// [`Error::MissingChannel`] with the names present.
     pub fn single(&self) -> Result<Channel> {
-        let only = || self.channels.first().filter(|_| self.channels.len() == 1);
+        let only = || self.all.first().filter(|_| self.all.len() == 1);
         let found = self.find("Y").or_else(|| self.find("Z")).or_else(only);
         found.cloned().ok_or_else(|| self.missing("Y or Z, nor is there only one"))
     }
@@ -55,7 +64,7 @@ impl ExrFile {
     }
 
     fn find(&self, name: &str) -> Option<&Channel> {
-        self.channels.iter().find(|c| c.name == name)
+        self.all.iter().find(|c| c.name == name)
     }
 
     /// All of `names` behind `prefix`, renamed without it.
@@ -71,7 +80,7 @@ impl ExrFile {
     fn in_layer(&self, names: &[&str]) -> Option<Vec<Channel>> {
         let suffix = format!(".{}", names[0]);
         let layers: Vec<&str> = self
-            .channels
+            .all
             .iter()
             .filter_map(|c| c.name.strip_suffix(&suffix))
             .filter(|layer| names[1..].iter().all(|n| self.find(&format!("{layer}.{n}")).is_some()))
@@ -90,7 +99,7 @@ impl ExrFile {
     }
 
     fn missing(&self, wanted: &str) -> Error {
-        let names: Vec<&str> = self.channels.iter().map(|c| c.name.as_str()).collect();
+        let names: Vec<&str> = self.all.iter().map(|c| c.name.as_str()).collect();
         Error::MissingChannel { path: self.path.clone(), wanted: wanted.into(), found: names.join(", ") }
     }
 }
@@ -110,7 +119,7 @@ mod tests {
             name: name.to_string(),
             image: Image::filled(1, 1, i as f32),
         };
-        ExrFile { path: "a.exr".into(), channels: names.iter().enumerate().map(channel).collect() }
+        ExrFile { path: "a.exr".into(), all: names.iter().enumerate().map(channel).collect() }
     }
 
     fn radiance(names: &[&str]) -> Option<Vec<(String, f32)>> {
