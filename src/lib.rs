@@ -6,6 +6,7 @@ pub mod image;
 pub mod io;
 pub mod medium;
 pub mod phase;
+pub mod plots;
 mod quadrature;
 pub mod scene;
 

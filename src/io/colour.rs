@@ -34,8 +34,7 @@ impl Tone {
 
 /// The sRGB transfer curve, of values clipped to 0..1; NaN is 0.
 pub fn srgb_curve(linear: f64) -> f64 {
-    // max and min ignore NaN.
-    let v = linear.max(0.0).min(1.0);
+    let v = if linear.is_nan() { 0.0 } else { linear.clamp(0.0, 1.0) };
     if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
 }
 

@@ -8,6 +8,7 @@ use ::exr::image::read::layers::ReadChannels;
 use ::exr::meta::MetaData;
 use ::exr::meta::header::Header;
 use std::io::Cursor;
+use std::panic::{UnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
 /// A part larger than this (16384 x 16384 px) is taken to be a damaged header.
@@ -42,9 +43,7 @@ impl ExrFile {
     pub fn read(path: &Path) -> Result<Self> {
         let failed = |reason: String| Error::Read { path: path.to_path_buf(), reason };
         let bytes = std::fs::read(path).map_err(|e| failed(e.to_string()))?;
-        // Damaged bytes are not known to make the decoder panic; should they, it is the file's fault all the same.
-        let decoded = std::panic::catch_unwind(|| decode(&bytes));
-        let channels = decoded.unwrap_or_else(|_| Err("the decoder gave up".into())).map_err(failed)?;
+        let channels = guarded(|| decode(&bytes)).map_err(failed)?;
         Ok(Self { path: path.to_path_buf(), all: channels })
     }
 }
@@ -56,9 +55,16 @@ impl ExrFile {
 pub fn size(path: &Path) -> Result<(usize, usize)> {
     let failed = |reason: String| Error::Read { path: path.to_path_buf(), reason };
     let file = std::fs::File::open(path).map_err(|e| failed(e.to_string()))?;
-    let meta = MetaData::read_from_unbuffered(file, false).map_err(|e| failed(reason(e)))?;
+    let meta = guarded(|| MetaData::read_from_unbuffered(&file, false).map_err(reason)).map_err(failed)?;
     let header = meta.headers.first().ok_or_else(|| failed("it has no image".into()))?;
     Ok((header.layer_size.0, header.layer_size.1))
+}
+
+/// Runs the decoder. Damaged bytes are not known to make it panic; should they, it is the file's fault all the same.
+fn guarded<T>(
+    decode: impl FnOnce() -> std::result::Result<T, String> + UnwindSafe,
+) -> std::result::Result<T, String> {
+    catch_unwind(decode).unwrap_or_else(|_| Err("the decoder gave up on it".into()))
 }
 
 /// What the decoder's error means to the file's owner.
