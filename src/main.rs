@@ -1,1 +1,5 @@
-fn main() {}
+//! The `narrowbeam` program.
+
+fn main() -> std::process::ExitCode {
+    narrowbeam::cli::main()
+}

@@ -1,4 +1,17 @@
 //! A scene file read into typed, checked values (see the README for the format).
+//!
+//! [`Scene::read`] refuses whatever is missing, unknown, contradictory or out of range, by name of file and key or
+//! pixel; what it returns can be rendered, traced or fitted without further checks of the input.
+
+mod fit_options;
+mod format;
+mod images;
+mod medium;
+mod observation;
+mod read;
+mod source;
+
+pub use medium::read_truth;
 
 use crate::geometry::Geometry;
 use crate::image::{Border, Channel, Image, View};
@@ -17,15 +30,35 @@ pub struct Scene {
     pub border: Border,
     /// The part of the object image that is observed, rendered or traced.
     pub view: View,
-    /// What was seen through the medium, if the scene has `[observation]`.
+    /// What was seen through the medium: there if the scene was read for [`Purpose::Fit`].
     pub observation: Option<Observation>,
-    /// The medium to render or trace with, one for each object channel, if the scene has `[medium]`.
-    pub medium: Option<Vec<MediumValues>>,
+    /// What `[medium]` says, one for each object channel; see [`Scene::medium_values`].
+    pub medium: Vec<PartialMedium>,
     /// Starting values, fixed values and bounds of a fit, one for each object channel.
     pub fit: Vec<FitOptions>,
 }
 
-/// sigma_s, sigma_a (1/length) and B (rad²) as given by a user, checked only when a medium is made of them.
+/// What a scene is read for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    /// To fit a medium: `[observation]` and its image are required.
+    Fit,
+    /// To render or trace: of `[observation]` only the place and the size of the view are read.
+    Render,
+}
+
+/// The part of a medium that `[medium]` gives, each value in its range.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct PartialMedium {
+    /// Scattering coefficient, 1/length.
+    pub sigma_s: Option<f64>,
+    /// Absorption coefficient, 1/length.
+    pub sigma_a: Option<f64>,
+    /// Width of the Gaussian phase function, rad².
+    pub b: Option<f64>,
+}
+
+/// sigma_s, sigma_a (1/length) and B (rad²), each in its range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MediumValues {
     /// Scattering coefficient, 1/length.
@@ -41,9 +74,10 @@ pub struct MediumValues {
 pub struct Observation {
     /// The file it came from.
     pub path: PathBuf,
-    /// Observed radiance, the same channels as the object's.
+    /// Observed radiance, the same channels as the object's; finite (pixels that the mask excludes and that are
+    /// not are set to 0).
     pub image: Vec<Channel>,
-    /// Standard deviation of the noise of a pixel, if known.
+    /// Standard deviation of the noise of a pixel, if known; above 0.
     pub noise: Option<f64>,
     /// Pixels above 0 count; absent: all do.
     pub mask: Option<Image>,
@@ -53,10 +87,10 @@ pub struct Observation {
     pub veil: Veil,
 }
 
-/// Exposure: observed = gain · (light from the object + veil... see [`Veil`]).
+/// Exposure: observed = gain · (light from the object) + veil.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Gain {
-    /// Known.
+    /// Known, above 0.
     Fixed(f64),
     /// Fitted.
     Free,
@@ -73,13 +107,14 @@ pub enum Veil {
     Free,
 }
 
-/// What the user asks of the fit of one channel; `None` leaves it to the program.
+/// What the user asks of the fit of one channel; `None` leaves it to the program. Where a value is fixed, its start
+/// and bounds do not matter. Values and bounds are finite, sigma_s and B above 0, sigma_a at least 0.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct FitOptions {
     /// Starting values of sigma_s, sigma_a, B.
     pub start: [Option<f64>; 3],
     /// Values of sigma_s, sigma_a, B that are held.
     pub fixed: [Option<f64>; 3],
-    /// Lower and upper bounds of sigma_s, sigma_a, B.
+    /// Lower and upper bounds of sigma_s, sigma_a, B, the lower below the upper and the start between them.
     pub bounds: [Option<[f64; 2]>; 3],
 }

@@ -3,7 +3,6 @@
 mod common;
 
 use common::{sloping, texture};
-use narrowbeam::Error;
 use narrowbeam::filter::{Optics, Target, per_depth};
 use narrowbeam::fit::{ChannelFit, Datum, Method, Settings, Status, VeilTerm, fit_channel};
 use narrowbeam::geometry::Geometry;
@@ -256,29 +255,4 @@ fn fixed_and_bounded_parameters_stay_where_they_must() {
     let pressed = fit(&[made.datum()], &bounded, Model::SmallAngle);
     assert!((pressed.parameters.values()[2] - 0.005).abs() < 1e-9);
     assert_eq!(pressed.parameters.at_bound(), [2]);
-}
-
-#[test]
-fn nothing_to_fit_is_said() {
-    let geometry = Geometry::planar(32, 32, 0.03, 2.0).unwrap();
-    let observed = Image::filled(32, 32, 0.5);
-    let attempt = |object: &Image, border: Border, mask: Option<&Image>| {
-        let datum = Datum {
-            target: Target { radiance: object, geometry: &geometry, border, view: View::whole(32, 32) },
-            observed: &observed,
-            mask,
-            noise: None,
-            gain: Gain::Fixed(1.0),
-            veil: VeilTerm::Fixed(0.0),
-        };
-        fit_channel(&[datum], &FitOptions::default(), &Settings::default()).unwrap_err()
-    };
-    let (black, gray) = (Image::filled(32, 32, 0.0), Image::filled(32, 32, 0.5));
-    for (error, word) in [
-        (attempt(&black, Border::Zero, None), "black"),
-        (attempt(&gray, Border::Clamp, None), "uniform"),
-        (attempt(&texture(32, 32), Border::Zero, Some(&black)), "mask"),
-    ] {
-        assert!(matches!(error, Error::NothingToFit(_)) && error.to_string().contains(word), "{error}");
-    }
 }

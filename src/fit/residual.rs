@@ -8,7 +8,7 @@ use super::uncertainty::Uncertainty;
 use crate::error::{Error, Result};
 use crate::filter::Target;
 use crate::filter::cpu::Rendering;
-use crate::image::{Border, Image};
+use crate::image::Image;
 use crate::scene::Gain;
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
 
@@ -100,7 +100,6 @@ pub(crate) struct NormalEquations {
 
 impl<'a> Observed<'a> {
     pub(super) fn new(datum: &Datum<'a>) -> Result<Self> {
-        check_object(&datum.target)?;
         let counts = |i: &usize| datum.mask.is_none_or(|m| m.data[*i] > 0.0);
         let veil = |i: usize| match datum.veil {
             VeilTerm::Fixed(v) => v as f32,
@@ -184,23 +183,6 @@ impl<'a> Observed<'a> {
             diagonal: jj.diagonal() * w,
             linear: vec![Linear { gain: exposure[0], veil: exposure[1], chi2: rr * w, inverse, coupling }],
         }
-    }
-}
-
-/// Refuses an object that looks the same through any medium.
-fn check_object(target: &Target) -> Result<()> {
-    let (radiance, geometry) = (target.radiance, target.geometry);
-    let position = |i: usize| (i % radiance.width, i / radiance.width);
-    let shown = |i: usize| geometry.object_distance(position(i).0, position(i).1).is_some();
-    let light = |i: usize| if shown(i) { radiance.data[i] } else { 0.0 };
-    let first = light(0);
-    let uniform = (0..radiance.data.len()).all(|i| light(i) == first);
-    match (uniform, first == 0.0, target.border) {
-        (true, true, _) => Err(Error::NothingToFit("the object image is black".into())),
-        (true, false, Border::Clamp | Border::Mirror) => Err(Error::NothingToFit(
-            "the object image is uniform and its border goes on: no blur can show in it".into(),
-        )),
-        _ => Ok(()),
     }
 }
 

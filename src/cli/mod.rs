@@ -1,0 +1,54 @@
+//! The command line: one file a command.
+
+mod fit;
+mod kernel;
+mod options;
+pub mod progress;
+mod render;
+mod trace;
+
+use crate::error::Error;
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Bad usage or input.
+const USAGE: u8 = 2;
+/// A fit that did not converge, or that left a free parameter undetermined.
+const UNDETERMINED: u8 = 3;
+
+#[derive(Debug, Parser)]
+#[command(name = "narrowbeam", version, about, arg_required_else_help = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Estimate sigma_s, sigma_a and B from one or more observed scenes that share a medium
+    Fit(fit::Arguments),
+    /// Render a scene through its medium with a spread model
+    Render(render::Arguments),
+    /// Trace a scene through its medium path by path: the truth, with its variance
+    Trace(trace::Arguments),
+    /// Tabulate and draw the spread kernels of a medium, beside traced ones if wanted
+    Kernel(kernel::Arguments),
+}
+
+/// Runs the command that the process was started with and returns its exit code: 0 done; 2 bad usage or input;
+/// 3 a fit that did not converge or left a parameter undetermined; 1 anything else.
+pub fn main() -> ExitCode {
+    let done = match Arguments::parse().command {
+        Command::Fit(arguments) => fit::run(&arguments),
+        Command::Render(arguments) => render::run(&arguments),
+        Command::Trace(arguments) => trace::run(&arguments),
+        Command::Kernel(arguments) => kernel::run(&arguments),
+    };
+    done.unwrap_or_else(|error| {
+        eprintln!("narrowbeam: {error:#}");
+        match error.downcast_ref::<Error>() {
+            Some(ours) if ours.is_usage() => ExitCode::from(USAGE),
+            _ => ExitCode::FAILURE,
+        }
+    })
+}

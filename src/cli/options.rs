@@ -1,0 +1,69 @@
+//! Options that several commands share.
+
+use crate::error::{Error, Result};
+use crate::phase::b_of_spread_angle;
+use crate::spread::Model;
+use clap::Args;
+
+/// The medium on the command line, in place of the scene's `[medium]`.
+#[derive(Debug, Args)]
+pub(super) struct MediumOptions {
+    /// Scattering coefficient, 1/length
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    pub sigma_s: Option<f64>,
+    /// Absorption coefficient, 1/length
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    pub sigma_a: Option<f64>,
+    /// Width B of the Gaussian phase function, rad²
+    #[arg(long, value_name = "X", conflicts_with = "spread_angle_deg", allow_negative_numbers = true)]
+    pub b: Option<f64>,
+    /// The same as a spread angle sqrt(4B), degrees
+    #[arg(long, value_name = "D", allow_negative_numbers = true)]
+    pub spread_angle_deg: Option<f64>,
+}
+
+impl MediumOptions {
+    /// sigma_s, sigma_a, B where given.
+    pub(super) fn values(&self) -> [Option<f64>; 3] {
+        let b = self.b.or(self.spread_angle_deg.map(|d| b_of_spread_angle(d.to_radians())));
+        [self.sigma_s, self.sigma_a, b]
+    }
+}
+
+/// A model's name; `auto` is `small-angle`.
+pub(super) fn parse_model(name: &str) -> Result<Model> {
+    if name == "auto" { Ok(Model::SmallAngle) } else { name.parse() }
+}
+
+/// Where the filter runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Backend {
+    Cpu,
+}
+
+impl Backend {
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Backend::Cpu => "cpu",
+        }
+    }
+}
+
+/// A backend's name; `auto` is `cpu`.
+pub(super) fn parse_backend(name: &str) -> Result<Backend> {
+    match name {
+        "auto" | "cpu" => Ok(Backend::Cpu),
+        "gpu" => Err(Error::NotBuilt("backend gpu".into())),
+        _ => Err(Error::UnknownName { what: "backend", name: name.into(), known: "auto, cpu, gpu".into() }),
+    }
+}
+
+/// Software and command line, for the files that a command writes.
+pub(super) fn provenance() -> Vec<(String, String)> {
+    let program = std::iter::once("narrowbeam".to_string());
+    let command = program.chain(std::env::args().skip(1)).collect::<Vec<_>>().join(" ");
+    vec![
+        ("software".into(), concat!("narrowbeam ", env!("CARGO_PKG_VERSION")).into()),
+        ("command".into(), command),
+    ]
+}

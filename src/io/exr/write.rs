@@ -1,0 +1,78 @@
+//! Writing f32 channels with a record of how they were made.
+
+use crate::error::{Error, Result};
+use crate::image::Channel;
+use crate::io::atomic;
+use ::exr::image::write::WritableImage;
+use ::exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
+use ::exr::meta::attribute::{AttributeValue, Text};
+use ::exr::meta::header::LayerAttributes;
+use ::exr::prelude::{Blocks, Compression, LineOrder};
+use std::io::{self, Cursor};
+use std::path::Path;
+
+/// Writes `channels`, all of one size, as ZIP-compressed 32-bit floats, whole or not at all. Each pair of
+/// `provenance` becomes a text attribute: `software` the one of that name, any other key (`version`, `command`,
+/// `seed`) one with `narrowbeam:` before it, since the format keeps some names, `version` among them, to itself.
+///
+/// # Errors
+/// [`Error::Write`] with the path.
+///
+/// # Panics
+/// If there is no channel, or the channels differ in size.
+pub fn write(path: &Path, channels: &[Channel], provenance: &[(String, String)]) -> Result<()> {
+    let failed = |e: ::exr::error::Error| Error::Write { path: path.to_path_buf(), source: to_io(e) };
+    let bytes = encode(channels, provenance).map_err(failed)?;
+    atomic::write(path, &bytes)
+}
+
+fn encode(
+    channels: &[Channel],
+    provenance: &[(String, String)],
+) -> std::result::Result<Vec<u8>, ::exr::error::Error> {
+    let first = &channels.first().expect("an image has a channel").image;
+    let size = (first.width, first.height);
+    assert!(channels.iter().all(|c| (c.image.width, c.image.height) == size), "channels of one size");
+    let list = channels.iter().map(|c| {
+        let samples = FlatSamples::F32(c.image.data.clone());
+        // Light is linear, as the format's flag for the eye's response asks to be told.
+        AnyChannel {
+            name: text(&c.name),
+            sample_data: samples,
+            quantize_linearly: false,
+            sampling: (1, 1).into(),
+        }
+    });
+    let mut attributes = LayerAttributes::default();
+    for (key, value) in provenance {
+        match key.as_str() {
+            "software" => attributes.software_name = Some(text(value)),
+            _ => {
+                let name = text(&format!("narrowbeam:{key}"));
+                attributes.other.insert(name, AttributeValue::Text(text(value)));
+            }
+        }
+    }
+    let encoding = Encoding {
+        compression: Compression::ZIP16,
+        blocks: Blocks::ScanLines,
+        line_order: LineOrder::Increasing,
+    };
+    let layer = Layer::new(size, attributes, encoding, AnyChannels::sort(list.collect()));
+    let mut bytes = Cursor::new(Vec::new());
+    Image::from_layer(layer).write().to_buffered(&mut bytes)?;
+    Ok(bytes.into_inner())
+}
+
+/// The format's text is Latin-1: any other character becomes a question mark.
+fn text(string: &str) -> Text {
+    let latin = |c: char| if (c as u32) < 256 && c != '\0' { c } else { '?' };
+    Text::new_or_panic(string.chars().map(latin).collect::<String>())
+}
+
+fn to_io(error: ::exr::error::Error) -> io::Error {
+    match error {
+        ::exr::error::Error::Io(e) => e,
+        other => io::Error::other(other.to_string()),
+    }
+}

@@ -1,0 +1,6 @@
+//! Files in and out: EXR images by name of channel, PNG pictures, and writing that never loses what was there.
+
+pub mod atomic;
+pub mod colour;
+pub mod exr;
+pub mod png;

@@ -1,0 +1,13 @@
+//! Pictures for people: line charts and panels of images, in colours that colour-blind readers can tell apart.
+//!
+//! The font is compiled in ([DejaVu Sans](https://dejavu-fonts.github.io/), its licence beside it), so that pictures
+//! come out the same on every machine.
+
+mod canvas;
+mod colour_bar;
+mod lines;
+mod panels;
+mod scale;
+
+pub use lines::{Axis, LineChart, Mark, Series, Spread};
+pub use panels::{Figure, Panel, Shade};

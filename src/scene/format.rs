@@ -1,0 +1,255 @@
+//! The keys of a scene file, as TOML tables. Unknown keys are refused by name.
+
+use super::source::Source;
+use crate::error::{Error, Result};
+use crate::image::Border;
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use std::path::PathBuf;
+use toml::Value;
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SceneFile {
+    pub object: ObjectSection,
+    pub camera: CameraSection,
+    pub observation: Option<ObservationSection>,
+    pub medium: Option<MediumSection>,
+    #[serde(default)]
+    pub fit: FitSection,
+}
+
+/// A truth file: the medium, beside tables that are for people.
+#[derive(Debug, Deserialize)]
+pub(super) struct TruthFile {
+    pub medium: MediumSection,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ObjectSection {
+    pub radiance: PathBuf,
+    pub depth: NumberOrFile,
+    #[serde(default)]
+    pub depth_kind: DepthKind,
+    #[serde(default)]
+    pub surface: NumberOrFile,
+    #[serde(default)]
+    pub border: Border,
+    #[serde(default)]
+    pub layer: Vec<LayerSection>,
+}
+
+/// A further layer behind the first: its keys are checked, its files are not read yet.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LayerSection {
+    #[serde(rename = "radiance")]
+    pub _radiance: PathBuf,
+    #[serde(rename = "depth")]
+    pub _depth: NumberOrFile,
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum DepthKind {
+    #[default]
+    Ray,
+    Planar,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CameraSection {
+    pub pixel_pitch: Option<f64>,
+    pub fov_x_deg: Option<f64>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ObservationSection {
+    pub image: Option<PathBuf>,
+    /// Size of the view while there is no observed image to take it from.
+    pub size_px: Option<[usize; 2]>,
+    pub offset_px: Option<[usize; 2]>,
+    pub noise: Option<f64>,
+    pub mask: Option<PathBuf>,
+    #[serde(default)]
+    pub gain: NumberOrFree,
+    #[serde(default)]
+    pub veil: VeilValue,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MediumSection {
+    pub sigma_s: Option<Numbers>,
+    pub sigma_a: Option<Numbers>,
+    pub b: Option<Numbers>,
+    pub spread_angle_deg: Option<Numbers>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct FitSection {
+    pub start: PerParameter<Numbers>,
+    pub fixed: PerParameter<Numbers>,
+    pub bounds: PerParameter<Pairs>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PerParameter<T> {
+    pub sigma_s: Option<T>,
+    pub sigma_a: Option<T>,
+    pub b: Option<T>,
+}
+
+impl<T> Default for PerParameter<T> {
+    fn default() -> Self {
+        Self { sigma_s: None, sigma_a: None, b: None }
+    }
+}
+
+/// A number, or three for R, G, B.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(try_from = "Value")]
+pub(super) enum Numbers {
+    One(f64),
+    Three([f64; 3]),
+}
+
+/// A pair of bounds, or three for R, G, B.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(try_from = "Value")]
+pub(super) enum Pairs {
+    One([f64; 2]),
+    Three([[f64; 2]; 3]),
+}
+
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(try_from = "Value")]
+pub(super) enum NumberOrFile {
+    Number(f64),
+    File(PathBuf),
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(try_from = "Value")]
+pub(super) enum NumberOrFree {
+    Number(f64),
+    Free,
+}
+
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(try_from = "Value")]
+pub(super) enum VeilValue {
+    Number(f64),
+    File(PathBuf),
+    Free,
+}
+
+impl Default for NumberOrFile {
+    fn default() -> Self {
+        Self::Number(0.0)
+    }
+}
+
+impl Default for NumberOrFree {
+    fn default() -> Self {
+        Self::Number(1.0)
+    }
+}
+
+impl Default for VeilValue {
+    fn default() -> Self {
+        Self::Number(0.0)
+    }
+}
+
+fn number(value: &Value) -> Option<f64> {
+    match value {
+        Value::Float(v) => Some(*v),
+        Value::Integer(v) => Some(*v as f64),
+        _ => None,
+    }
+}
+
+/// The array's items, if there are `N` and all are what `item` looks for.
+fn array<const N: usize, T>(value: &Value, item: impl Fn(&Value) -> Option<T>) -> Option<[T; N]> {
+    value.as_array()?.iter().map(item).collect::<Option<Vec<T>>>()?.try_into().ok()
+}
+
+fn refused<T>(value: &Value, wanted: &str) -> std::result::Result<T, String> {
+    Err(format!("{value} is not {wanted}"))
+}
+
+impl TryFrom<Value> for Numbers {
+    type Error = String;
+
+    fn try_from(value: Value) -> std::result::Result<Self, String> {
+        let found = number(&value).map(Self::One).or_else(|| array(&value, number).map(Self::Three));
+        found.map_or_else(|| refused(&value, "a number, nor three for R, G, B"), Ok)
+    }
+}
+
+impl TryFrom<Value> for Pairs {
+    type Error = String;
+
+    fn try_from(value: Value) -> std::result::Result<Self, String> {
+        let pair = |v: &Value| array::<2, f64>(v, number);
+        let found = pair(&value).map(Self::One).or_else(|| array(&value, pair).map(Self::Three));
+        found.map_or_else(|| refused(&value, "[low, high], nor three such pairs for R, G, B"), Ok)
+    }
+}
+
+impl TryFrom<Value> for NumberOrFile {
+    type Error = String;
+
+    fn try_from(value: Value) -> std::result::Result<Self, String> {
+        match (number(&value), value.as_str()) {
+            (Some(v), _) => Ok(Self::Number(v)),
+            (_, Some(path)) => Ok(Self::File(path.into())),
+            _ => refused(&value, "a number, nor the name of an EXR file"),
+        }
+    }
+}
+
+impl TryFrom<Value> for NumberOrFree {
+    type Error = String;
+
+    fn try_from(value: Value) -> std::result::Result<Self, String> {
+        match (number(&value), value.as_str()) {
+            (Some(v), _) => Ok(Self::Number(v)),
+            (_, Some("free")) => Ok(Self::Free),
+            _ => refused(&value, "a number, nor \"free\""),
+        }
+    }
+}
+
+impl TryFrom<Value> for VeilValue {
+    type Error = String;
+
+    fn try_from(value: Value) -> std::result::Result<Self, String> {
+        match (number(&value), value.as_str()) {
+            (Some(v), _) => Ok(Self::Number(v)),
+            (_, Some("free")) => Ok(Self::Free),
+            (_, Some(path)) => Ok(Self::File(path.into())),
+            _ => refused(&value, "a number, nor the name of an EXR file, nor \"free\""),
+        }
+    }
+}
+
+/// Reads the file at `source` as a `T`.
+pub(super) fn parse<T: DeserializeOwned>(source: &Source) -> Result<T> {
+    let failed = |e: std::io::Error| Error::Read { path: source.path.to_path_buf(), reason: e.to_string() };
+    let text = std::fs::read_to_string(source.path).map_err(failed)?;
+    let table: toml::Table = text.parse().map_err(|e: toml::de::Error| {
+        let line = e.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
+        source.error(format!("line {line}: {}", e.message().trim()))
+    })?;
+    // Without the text, the error's own wording names the table of the key; it may run over several lines.
+    let worded =
+        |e: toml::de::Error| source.error(e.to_string().split_whitespace().collect::<Vec<_>>().join(" "));
+    Value::Table(table).try_into().map_err(worded)
+}

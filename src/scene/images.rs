@@ -1,0 +1,116 @@
+//! The images that a scene names, each checked pixel by pixel.
+
+use super::format::NumberOrFile;
+use super::source::Source;
+use crate::error::{Error, Result};
+use crate::geometry::{Camera, FARTHEST, Field, Geometry};
+use crate::image::{Channel, Image};
+use crate::io::exr::ExrFile;
+use std::path::{Path, PathBuf};
+
+/// The clear image: finite and not negative.
+pub(super) fn radiance(path: &Path) -> Result<Vec<Channel>> {
+    let channels = ExrFile::read(path)?.radiance()?;
+    for channel in &channels {
+        check_pixels(path, channel, "finite and at least 0", |v| v.is_finite() && v >= 0.0)?;
+    }
+    Ok(channels)
+}
+
+/// A distance and the file it came from, if any.
+pub(super) struct Distance {
+    pub field: Field,
+    pub path: Option<PathBuf>,
+}
+
+/// `[object] depth`: NaN is an error, and so is a number that means no object. `object` is the object image's path
+/// and size.
+pub(super) fn depth(
+    source: &Source,
+    value: &NumberOrFile,
+    object: (&Path, (usize, usize)),
+) -> Result<Distance> {
+    match value {
+        NumberOrFile::Number(v) => {
+            let ok = *v > 0.0 && *v <= FARTHEST;
+            source.in_range("[object] depth", *v, ok, "above 0 and at most 1e9")?;
+            Ok(Distance { field: Field::Uniform(*v), path: None })
+        }
+        NumberOrFile::File(named) => {
+            let path = source.resolve(named);
+            let channel = ExrFile::read(&path)?.depth()?;
+            map(path, channel, object, "a distance (0 or infinite where there is no object)", |v| !v.is_nan())
+        }
+    }
+}
+
+/// `[object] surface`: at least 0; where there is no surface its pixels may be infinite.
+pub(super) fn surface(
+    source: &Source,
+    value: &NumberOrFile,
+    object: (&Path, (usize, usize)),
+) -> Result<Distance> {
+    match value {
+        NumberOrFile::Number(v) => {
+            source.non_negative("[object] surface", *v)?;
+            Ok(Distance { field: Field::Uniform(*v), path: None })
+        }
+        NumberOrFile::File(named) => {
+            let path = source.resolve(named);
+            let channel = ExrFile::read(&path)?.single()?;
+            map(path, channel, object, "at least 0", |v| v >= 0.0)
+        }
+    }
+}
+
+fn map(
+    path: PathBuf,
+    channel: Channel,
+    object: (&Path, (usize, usize)),
+    allowed: &'static str,
+    ok: impl Fn(f32) -> bool,
+) -> Result<Distance> {
+    check_size(&path, &channel.image, object.1, &format!("the object image {}", object.0.display()))?;
+    check_pixels(&path, &channel, allowed, ok)?;
+    Ok(Distance { field: Field::Map(channel.image), path: Some(path) })
+}
+
+/// Distances along the axis turned into distances along the rays of `geometry`'s camera: divided by the cosine of
+/// the angle between the two. Empty pixels remain empty.
+pub(super) fn along_rays(geometry: &Geometry, planar: &Field) -> Field {
+    let same = matches!(geometry.camera, Camera::Orthographic { .. }) || *planar == Field::Uniform(0.0);
+    if same {
+        return planar.clone();
+    }
+    let convert = |x, y| (planar.at(x, y) / geometry.cos_off_axis(x, y)) as f32;
+    Field::Map(Image::from_fn(geometry.width, geometry.height, convert))
+}
+
+/// Refuses an image that is not `size` (width, height) px, the size of `what`.
+pub(super) fn check_size(path: &Path, image: &Image, size: (usize, usize), what: &str) -> Result<()> {
+    if (image.width, image.height) == size {
+        return Ok(());
+    }
+    let expected = format!("{what} is {}x{} px", size.0, size.1);
+    Err(Error::WrongSize { path: path.into(), found: format!("{}x{}", image.width, image.height), expected })
+}
+
+/// Refuses the first pixel that is not `ok`, by name.
+pub(super) fn check_pixels(
+    path: &Path,
+    channel: &Channel,
+    allowed: &'static str,
+    ok: impl Fn(f32) -> bool,
+) -> Result<()> {
+    match channel.image.data.iter().position(|&v| !ok(v)) {
+        Some(i) => Err(Error::BadPixel {
+            path: path.into(),
+            channel: channel.name.clone(),
+            x: i % channel.image.width,
+            y: i / channel.image.width,
+            value: f64::from(channel.image.data[i]),
+            allowed,
+        }),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,115 @@
+//! `[medium]`: numbers for all channels or for each, completed from the command line.
+
+use super::format::{MediumSection, Numbers, TruthFile, parse};
+use super::source::Source;
+use super::{MediumValues, PartialMedium, Scene};
+use crate::error::{Result, in_range};
+use crate::phase::b_of_spread_angle;
+use std::path::Path;
+
+impl Scene {
+    /// The medium of each object channel: `[medium]`, and over it `overrides` for sigma_s, sigma_a, B from the
+    /// command line, each for all channels.
+    ///
+    /// # Errors
+    /// [`Error::Scene`](crate::Error::Scene) that names a missing value;
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for an override.
+    pub fn medium_values(&self, overrides: [Option<f64>; 3]) -> Result<Vec<MediumValues>> {
+        let [sigma_s, sigma_a, b] = overrides;
+        let coefficient = |v: f64| v.is_finite() && v >= 0.0;
+        for (name, value) in [("--sigma-s", sigma_s), ("--sigma-a", sigma_a)] {
+            if let Some(v) = value {
+                in_range(name, v, coefficient(v), "finite and at least 0 (1/length)")?;
+            }
+        }
+        if let Some(v) = b {
+            in_range("--b", v, v.is_finite() && v > 0.0, "finite and above 0 (rad²)")?;
+        }
+        let source = Source { path: &self.path };
+        let merge = |medium: &PartialMedium| {
+            complete(
+                &source,
+                PartialMedium {
+                    sigma_s: sigma_s.or(medium.sigma_s),
+                    sigma_a: sigma_a.or(medium.sigma_a),
+                    b: b.or(medium.b),
+                },
+            )
+        };
+        self.medium.iter().map(merge).collect()
+    }
+}
+
+/// The medium that a `truth.toml` says its images were made with: one, or three for R, G, B. Other tables of the
+/// file are ignored.
+///
+/// # Errors
+/// [`Error::Read`](crate::Error::Read) or [`Error::Scene`](crate::Error::Scene), naming file and key.
+pub fn read_truth(path: &Path) -> Result<Vec<MediumValues>> {
+    let source = Source { path };
+    let section = parse::<TruthFile>(&source)?.medium;
+    let all = [section.sigma_s, section.sigma_a, section.b, section.spread_angle_deg];
+    let channels = if all.iter().any(|n| matches!(n, Some(Numbers::Three(_)))) { 3 } else { 1 };
+    let media = read_medium(&source, Some(&section), channels)?;
+    media.into_iter().map(|medium| complete(&source, medium)).collect()
+}
+
+/// The given values of each of `channels` channels.
+pub(super) fn read_medium(
+    source: &Source,
+    section: Option<&MediumSection>,
+    channels: usize,
+) -> Result<Vec<PartialMedium>> {
+    let mut media = vec![PartialMedium::default(); channels];
+    let Some(section) = section else { return Ok(media) };
+    if section.b.is_some() && section.spread_angle_deg.is_some() {
+        return Err(
+            source.error("[medium] b and spread_angle_deg are both given: they say the same, leave one")
+        );
+    }
+    for (i, medium) in media.iter_mut().enumerate() {
+        let value = |key: &str, numbers: Option<Numbers>| channel_value(source, key, numbers, i, channels);
+        let coefficient = |key: &str, numbers: Option<Numbers>| {
+            value(key, numbers)?.map(|v| source.non_negative(key, v)).transpose()
+        };
+        medium.sigma_s = coefficient("[medium] sigma_s", section.sigma_s)?;
+        medium.sigma_a = coefficient("[medium] sigma_a", section.sigma_a)?;
+        let key = "[medium] b";
+        let b = value(key, section.b)?.map(|v| source.positive(key, v)).transpose()?;
+        let key = "[medium] spread_angle_deg";
+        let angle = value(key, section.spread_angle_deg)?.map(|v| source.positive(key, v)).transpose()?;
+        medium.b = b.or(angle.map(|degrees| b_of_spread_angle(degrees.to_radians())));
+    }
+    Ok(media)
+}
+
+/// What `numbers` say for channel `i` of `channels`.
+pub(super) fn channel_value(
+    source: &Source,
+    key: &str,
+    numbers: Option<Numbers>,
+    i: usize,
+    channels: usize,
+) -> Result<Option<f64>> {
+    match numbers {
+        None => Ok(None),
+        Some(Numbers::One(v)) => Ok(Some(v)),
+        Some(Numbers::Three(v)) if channels == 3 => Ok(Some(v[i])),
+        Some(Numbers::Three(_)) => Err(three_for_one(source, key)),
+    }
+}
+
+/// The error of three values where the object has one channel.
+pub(super) fn three_for_one(source: &Source, key: &str) -> crate::Error {
+    source.error(format!("{key} has three values, but the object image has one channel"))
+}
+
+fn complete(source: &Source, medium: PartialMedium) -> Result<MediumValues> {
+    let missing =
+        |key: &str, option: &str| source.error(format!("[medium] {key} is missing (or give {option})"));
+    Ok(MediumValues {
+        sigma_s: medium.sigma_s.ok_or_else(|| missing("sigma_s", "--sigma-s"))?,
+        sigma_a: medium.sigma_a.ok_or_else(|| missing("sigma_a", "--sigma-a"))?,
+        b: medium.b.ok_or_else(|| missing("b", "spread_angle_deg, --b or --spread-angle-deg"))?,
+    })
+}

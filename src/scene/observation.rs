@@ -1,0 +1,148 @@
+//! `[observation]`: which part of the object is seen, and what was seen there.
+
+use super::format::{NumberOrFree, ObservationSection, VeilValue};
+use super::images::{check_pixels, check_size};
+use super::source::Source;
+use super::{Gain, Observation, Purpose, Veil};
+use crate::error::{Error, Result};
+use crate::image::{Channel, Image, View};
+use crate::io::exr::{self, ExrFile};
+use std::path::{Path, PathBuf};
+
+/// The part of the object image, `object` (width, height) px large, that is seen. Its size is that of the observed
+/// image; to render or trace, `size_px` comes first, and without either it is all of the object.
+pub(super) fn view(
+    source: &Source,
+    section: Option<&ObservationSection>,
+    object: (usize, usize),
+    purpose: Purpose,
+) -> Result<View> {
+    let Some(section) = section else { return Ok(View::whole(object.0, object.1)) };
+    let size_px = section.size_px.map(|[w, h]| (w, h));
+    let path = section.image.as_ref().map(|image| source.resolve(image));
+    let size = match path {
+        Some(path) if purpose == Purpose::Fit => {
+            let size = seen_size(&path, object)?;
+            if let Some((w, h)) = size_px.filter(|&s| s != size) {
+                let found = format!("{} is {}x{} px", path.display(), size.0, size.1);
+                return Err(source.error(format!("[observation] size_px = [{w}, {h}], but {found}")));
+            }
+            size
+        }
+        Some(path) if size_px.is_none() && path.exists() => seen_size(&path, object)?,
+        _ => size_px.unwrap_or(object),
+    };
+    if size.0 == 0 || size.1 == 0 || size.0 > object.0 || size.1 > object.1 {
+        return Err(source.error(format!(
+            "[observation] size_px = [{}, {}]: must be at least 1 and at most the object image's {}x{} px",
+            size.0, size.1, object.0, object.1
+        )));
+    }
+    let view = match section.offset_px {
+        Some([x, y]) => View { x, y, width: size.0, height: size.1 },
+        None => View::centred(object, size),
+    };
+    if !view.fits(object.0, object.1) {
+        return Err(source.error(format!(
+            "[observation] offset_px = [{}, {}]: the view of {}x{} px does not fit there into the object image of \
+             {}x{} px",
+            view.x, view.y, size.0, size.1, object.0, object.1
+        )));
+    }
+    Ok(view)
+}
+
+/// Size of the observed image, which must not be larger than the object.
+fn seen_size(path: &Path, object: (usize, usize)) -> Result<(usize, usize)> {
+    let size = exr::size(path)?;
+    if size.0 > object.0 || size.1 > object.1 {
+        return Err(Error::WrongSize {
+            path: path.into(),
+            found: format!("{}x{}", size.0, size.1),
+            expected: format!("at most the object image's {}x{} px can be seen", object.0, object.1),
+        });
+    }
+    Ok(size)
+}
+
+/// Reads and checks all that a fit needs to know of the observation of `object` through `view`.
+pub(super) fn read_observation(
+    source: &Source,
+    section: Option<&ObservationSection>,
+    object: &[Channel],
+    view: View,
+) -> Result<Observation> {
+    let section = section.ok_or_else(|| source.error("section [observation] is missing: a fit needs one"))?;
+    let named = section.image.as_ref();
+    let path =
+        source.resolve(named.ok_or_else(|| source.error("[observation] image is missing: a fit needs it"))?);
+    let names: Vec<&str> = object.iter().map(|c| c.name.as_str()).collect();
+    let size = (view.width, view.height);
+
+    let mut image = ExrFile::read(&path)?.channels(&names)?;
+    for channel in &image {
+        check_size(&path, &channel.image, size, "the view")?;
+    }
+    let mask = section.mask.as_ref().map(|m| read_mask(&source.resolve(m), (&path, size))).transpose()?;
+    if let Some(mask) = &mask {
+        image.iter_mut().for_each(|channel| blank(channel, mask));
+    }
+    for channel in &image {
+        check_pixels(&path, channel, "finite where the mask does not exclude it", f32::is_finite)?;
+    }
+    let noise = section.noise.map(|v| source.positive("[observation] noise", v)).transpose()?;
+    let gain = match section.gain {
+        NumberOrFree::Number(v) => Gain::Fixed(source.positive("[observation] gain", v)?),
+        NumberOrFree::Free => Gain::Free,
+    };
+    let veil = match &section.veil {
+        VeilValue::Number(v) => Veil::Fixed(source.finite("[observation] veil", *v)?),
+        VeilValue::Free => Veil::Free,
+        VeilValue::File(file) => {
+            Veil::Image(read_veil(source.resolve(file), &names, (&path, size), mask.as_ref())?)
+        }
+    };
+    Ok(Observation { path, image, noise, mask, gain, veil })
+}
+
+fn read_mask(path: &Path, observed: (&Path, (usize, usize))) -> Result<Image> {
+    let mask = ExrFile::read(path)?.single()?.image;
+    check_size(path, &mask, observed.1, &format!("the observed image {}", observed.0.display()))?;
+    if mask.data.iter().any(|&v| v > 0.0) {
+        Ok(mask)
+    } else {
+        Err(Error::NothingToFit(format!("{}: the mask excludes every pixel", path.display())))
+    }
+}
+
+fn read_veil(
+    path: PathBuf,
+    names: &[&str],
+    observed: (&Path, (usize, usize)),
+    mask: Option<&Image>,
+) -> Result<Vec<Channel>> {
+    let mut veil = ExrFile::read(&path)?.channels(names)?;
+    for channel in &mut veil {
+        check_size(
+            &path,
+            &channel.image,
+            observed.1,
+            &format!("the observed image {}", observed.0.display()),
+        )?;
+        if let Some(mask) = mask {
+            blank(channel, mask);
+        }
+        check_pixels(&path, channel, "finite", f32::is_finite)?;
+    }
+    Ok(veil)
+}
+
+/// Sets excluded pixels that are not finite to 0, so that they harm no sum in which their weight is 0.
+fn blank(channel: &mut Channel, mask: &Image) {
+    for (value, &counts) in channel.image.data.iter_mut().zip(&mask.data) {
+        let counted = counts > 0.0;
+        if !counted && !value.is_finite() {
+            *value = 0.0;
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! From a scene file to a [`Scene`].
+
+use super::fit_options::read_fit;
+use super::format::{CameraSection, DepthKind, SceneFile, parse};
+use super::images::{Distance, along_rays, depth, radiance, surface};
+use super::medium::read_medium;
+use super::observation::{read_observation, view};
+use super::source::Source;
+use super::{Purpose, Scene};
+use crate::error::{Error, Result};
+use crate::geometry::{Camera, Geometry};
+use crate::image::{Border, Channel};
+use std::path::Path;
+
+impl Scene {
+    /// Reads the scene file `path` and the images it names, and checks them.
+    ///
+    /// # Errors
+    /// Whatever is wrong first, with file and key or pixel: [`Error::Read`], [`Error::Scene`],
+    /// [`Error::MissingChannel`], [`Error::WrongSize`], [`Error::BadPixel`], [`Error::NothingToFit`], or
+    /// [`Error::NotBuilt`] for `[[object.layer]]`.
+    pub fn read(path: &Path, purpose: Purpose) -> Result<Self> {
+        let source = Source { path };
+        let file: SceneFile = parse(&source)?;
+        if !file.object.layer.is_empty() {
+            return Err(Error::NotBuilt(format!("{}: [[object.layer]]", path.display())));
+        }
+        let camera = camera(&source, &file.camera)?;
+        let object_path = source.resolve(&file.object.radiance);
+        let object = radiance(&object_path)?;
+        let channels = object.len();
+        let medium = read_medium(&source, file.medium.as_ref(), channels)?;
+        let fit = read_fit(&source, &file.fit, channels)?;
+
+        let size = (object[0].image.width, object[0].image.height);
+        let depth = depth(&source, &file.object.depth, (&object_path, size))?;
+        let surface = surface(&source, &file.object.surface, (&object_path, size))?;
+        let geometry = geometry(path, camera, size, (depth, surface), file.object.depth_kind)?;
+        let border = file.object.border;
+        let section = file.observation.as_ref();
+        let view = view(&source, section, size, purpose)?;
+        let observation = match purpose {
+            Purpose::Render => None,
+            Purpose::Fit => {
+                check_contrast(&object_path, &object, &geometry, border)?;
+                Some(read_observation(&source, section, &object, view)?)
+            }
+        };
+        Ok(Self { path: path.into(), object, geometry, border, view, observation, medium, fit })
+    }
+}
+
+fn camera(source: &Source, section: &CameraSection) -> Result<Camera> {
+    let made = match (section.pixel_pitch, section.fov_x_deg) {
+        (Some(pitch), None) => Camera::orthographic(pitch),
+        (None, Some(fov)) => Camera::perspective(fov),
+        (Some(_), Some(_)) => {
+            return Err(source.error("[camera] pixel_pitch and fov_x_deg are both given: leave one"));
+        }
+        (None, None) => return Err(source.error("[camera] pixel_pitch or fov_x_deg is missing")),
+    };
+    made.map_err(|e| source.error(format!("[camera] {e}")))
+}
+
+/// Puts the distances together, along the rays, and refuses an object before the medium's surface.
+fn geometry(
+    scene: &Path,
+    camera: Camera,
+    (width, height): (usize, usize),
+    (depth, surface): (Distance, Distance),
+    kind: DepthKind,
+) -> Result<Geometry> {
+    let mut geometry = Geometry { width, height, camera, depth: depth.field, surface: surface.field };
+    if kind == DepthKind::Planar {
+        geometry.depth = along_rays(&geometry, &geometry.depth);
+        geometry.surface = along_rays(&geometry, &geometry.surface);
+    }
+    let culprit = depth.path.or(surface.path).unwrap_or_else(|| scene.to_path_buf());
+    geometry.check().map_err(|e| Error::Scene { path: culprit, message: e.to_string() })?;
+    Ok(geometry)
+}
+
+/// Refuses an object image of which a medium could not be told: one without light, or of one value everywhere,
+/// outside included.
+fn check_contrast(path: &Path, object: &[Channel], geometry: &Geometry, border: Border) -> Result<()> {
+    for channel in object {
+        let pixels = (0..geometry.height).flat_map(|y| (0..geometry.width).map(move |x| (x, y)));
+        let light =
+            |(x, y): (usize, usize)| geometry.object_distance(x, y).map_or(0.0, |_| channel.image.at(x, y));
+        let (low, high) = pixels.map(light).fold((f32::MAX, 0.0_f32), |(a, b), v| (a.min(v), b.max(v)));
+        let because = if high == 0.0 {
+            "is black"
+        } else if low == high && border != Border::Zero {
+            "is uniform, and so is what the border rule puts around it"
+        } else {
+            continue;
+        };
+        let name = &channel.name;
+        return Err(Error::NothingToFit(format!("{}: channel {name} {because}", path.display())));
+    }
+    Ok(())
+}

@@ -1,0 +1,5 @@
+//! Scene files: what is refused, and how the rest is understood.
+
+mod bad_input;
+mod folder;
+mod rules;
