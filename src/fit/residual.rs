@@ -66,6 +66,18 @@ pub struct Exposure {
     pub pixels: usize,
 }
 
+impl Exposure {
+    /// The image as observed: gain · `image` + veil.
+    pub(super) fn apply(&self, mut image: Image, veil: VeilTerm) -> Image {
+        let (gain, constant) = (self.gain as f32, self.veil as f32);
+        for (i, v) in image.data.iter_mut().enumerate() {
+            let veil = if let VeilTerm::Image(veil) = veil { veil.data[i] } else { constant };
+            *v = gain * *v + veil;
+        }
+        image
+    }
+}
+
 /// A datum with its pixels gathered: values of those that count, known veil taken off.
 pub(super) struct Observed<'a> {
     datum: Datum<'a>,

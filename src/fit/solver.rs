@@ -1,9 +1,9 @@
 //! The optimisers, as argmin solvers: Levenberg-Marquardt within bounds (argmin has none) and argmin's Nelder-Mead.
 //! The only file that mentions argmin.
 
-use super::Problem;
 use super::parameters::Bounds;
 use super::residual::NormalEquations;
+use super::{Problem, Settings};
 use crate::error::{Error, Result};
 use argmin::core::{
     CostFunction, Executor, IterState, KV, Operator, Problem as Counted, Solver, State, TerminationReason,
@@ -49,10 +49,10 @@ pub(super) struct Outcome {
 }
 
 /// Minimises `problem` from its parameters' values.
-pub(super) fn run(problem: Problem, method: Method, max_iterations: u64) -> Result<Outcome> {
-    match method {
-        Method::LevenbergMarquardt => run_levenberg_marquardt(problem, max_iterations),
-        Method::NelderMead => run_nelder_mead(problem, max_iterations),
+pub(super) fn run(problem: Problem, settings: &Settings) -> Result<Outcome> {
+    match settings.method {
+        Method::LevenbergMarquardt => run_levenberg_marquardt(problem, settings.max_iterations),
+        Method::NelderMead => run_nelder_mead(problem, settings.max_iterations),
     }
 }
 
