@@ -235,8 +235,20 @@ fn plan<'a>(data: &[Datum<'a>], parameters: &Parameters, model: Model) -> Result
     })
 }
 
+/// Median over the pixels of all scenes; a flat scene counts as many times as it has pixels.
 fn median_path_length(data: &[Datum]) -> f64 {
-    let mut all: Vec<f64> = data.iter().flat_map(|d| d.target.geometry.sorted_path_lengths()).collect();
-    all.sort_by(f64::total_cmp);
-    all[all.len() / 2]
+    let mut weighted: Vec<(f64, usize)> = Vec::new();
+    for geometry in data.iter().map(|d| d.target.geometry) {
+        let lengths = geometry.path_lengths();
+        let weight = if lengths.len() == 1 { geometry.width * geometry.height } else { 1 };
+        weighted.extend(lengths.into_iter().map(|z| (z, weight)));
+    }
+    weighted.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let half = weighted.iter().map(|(_, weight)| weight).sum::<usize>() / 2;
+    let mut passed = 0;
+    let reached = |&&(_, weight): &&(f64, usize)| {
+        passed += weight;
+        passed > half
+    };
+    weighted.iter().find(reached).expect("checked: every scene shows an object").0
 }

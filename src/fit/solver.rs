@@ -70,9 +70,6 @@ impl Operator for Problem<'_> {
     }
 }
 
-/// Relative decrease of the cost, predicted by the quadratic model, at which a fit has converged: with 10^5 pixels
-/// a thousandth of a standard error.
-const CONVERGED: f64 = 1e-11;
 /// Damping at the start, relative to the matrix' diagonal, and beyond which no step can help.
 const FIRST_DAMPING: f64 = 1e-3;
 const LAST_DAMPING: f64 = 1e12;
@@ -169,7 +166,7 @@ impl<'a> Solver<Problem<'a>, Iteration> for LevenbergMarquardt {
         while self.damping < LAST_DAMPING {
             let step = self.step(&u);
             let predicted = -self.current.gradient.dot(&step) - 0.5 * (self.current.matrix * step).dot(&step);
-            if predicted <= CONVERGED * self.current.cost {
+            if predicted <= self.current.negligible() {
                 self.stop(TerminationReason::SolverConverged);
                 break;
             }
