@@ -1,5 +1,6 @@
 //! narrowbeam
 pub mod cli;
+pub mod compare;
 pub mod error;
 pub mod filter;
 pub mod fit;

@@ -1,7 +1,117 @@
-//! stub
+//! `narrowbeam kernel`: the spread kernels of a medium as tables and pictures, beside traced ones if wanted.
+
+mod charts;
+mod curves;
+mod summary;
+mod tables;
+
+use super::options::{non_negative, parse_model, positive};
+use super::progress::Progress;
+use crate::error::Result;
+use crate::io::atomic;
+use crate::medium::Medium;
+use crate::phase::{Gaussian, b_of_spread_angle};
+use crate::spread::Model;
+use crate::trace::{RadialConfig, RadialProfile, trace_radial};
+use curves::{Curve, Grid};
+use std::path::PathBuf;
 use std::process::ExitCode;
+
 #[derive(Debug, clap::Args)]
-pub(super) struct Arguments {}
-pub(super) fn run(_arguments: &Arguments) -> anyhow::Result<ExitCode> {
+pub(super) struct Arguments {
+    /// Scattering coefficient, 1/length
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = non_negative)]
+    sigma_s: f64,
+    /// Absorption coefficient, 1/length
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = non_negative)]
+    sigma_a: f64,
+    #[command(flatten)]
+    width: Width,
+    /// Path length z in the medium, from its surface to the object, length
+    #[arg(long, value_name = "Z", allow_negative_numbers = true, value_parser = positive)]
+    depth: f64,
+    /// Model to tabulate, may be given several times; all if absent
+    #[arg(long = "model", value_name = "NAME", value_parser = parse_model)]
+    models: Vec<Model>,
+    /// Photons to trace for comparison
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    photons: u64,
+    /// Seed of the random numbers
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// Directory to write kernel.csv, mtf.csv and their pictures to; made if need be
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+}
+
+/// The phase function's width, one way or the other.
+#[derive(Debug, clap::Args)]
+#[group(required = true, multiple = false)]
+struct Width {
+    /// Width B of the Gaussian phase function, rad²
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = positive)]
+    b: Option<f64>,
+    /// The same as a spread angle sqrt(4B), degrees
+    #[arg(long, value_name = "D", allow_negative_numbers = true, value_parser = positive)]
+    spread_angle_deg: Option<f64>,
+}
+
+impl Width {
+    /// B, rad²; the command line demands exactly one of the two.
+    fn b(&self) -> f64 {
+        let degrees = || self.spread_angle_deg.unwrap_or_default();
+        self.b.unwrap_or_else(|| b_of_spread_angle(degrees().to_radians()))
+    }
+}
+
+/// The medium and depth whose kernels are shown.
+#[derive(Debug, Clone, Copy)]
+struct Setting {
+    medium: Medium,
+    phase: Gaussian,
+    z: f64,
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
+    let setting = Setting {
+        medium: Medium::new(arguments.sigma_s, arguments.sigma_a)?,
+        phase: Gaussian::new(arguments.width.b())?,
+        z: arguments.depth,
+    };
+    let chosen = if arguments.models.is_empty() { Model::ALL.to_vec() } else { arguments.models.clone() };
+    let models: Vec<Model> = Model::ALL.into_iter().filter(|m| chosen.contains(m)).collect();
+    let kernels = models
+        .iter()
+        .map(|m| Ok((*m, m.kernel(&setting.medium, &setting.phase, setting.z)?)))
+        .collect::<Result<Vec<_>>>()?;
+    let grid = Grid::new(&setting);
+    let mut curves = kernels
+        .iter()
+        .map(|(m, kernel)| Curve::of_kernel(*m, &**kernel, &grid))
+        .collect::<Result<Vec<_>>>()?;
+    atomic::create_dir(&arguments.out)?;
+    atomic::check_writable(&arguments.out.join(tables::KERNEL))?;
+
+    let traced = traced(arguments, &setting, &grid)?;
+    curves.extend(traced.iter().map(|profile| Curve::of_profile(profile, &grid)));
+    tables::write(&arguments.out, &grid, &curves)?;
+    charts::write(&arguments.out, &setting, &grid, &curves)?;
+    print!("{}", summary::text(&setting, &kernels, traced.as_ref()));
     Ok(ExitCode::SUCCESS)
+}
+
+/// The traced kernel, if photons were asked for.
+fn traced(arguments: &Arguments, setting: &Setting, grid: &Grid) -> Result<Option<RadialProfile>> {
+    if arguments.photons == 0 {
+        return Ok(None);
+    }
+    let config = RadialConfig {
+        medium: setting.medium,
+        depths: vec![setting.z],
+        edges: grid.edges(),
+        paths: arguments.photons,
+        seed: arguments.seed,
+    };
+    let progress = Progress::new("tracing", "photons", arguments.photons);
+    Ok(trace_radial(&config, &setting.phase, &|done| progress.add(done))?.pop())
 }

@@ -18,7 +18,7 @@ pub(super) struct MediumOptions {
     #[arg(long, value_name = "X", conflicts_with = "spread_angle_deg", allow_negative_numbers = true)]
     pub b: Option<f64>,
     /// The same as a spread angle sqrt(4B), degrees
-    #[arg(long, value_name = "D", allow_negative_numbers = true)]
+    #[arg(long, value_name = "D", allow_negative_numbers = true, value_parser = positive)]
     pub spread_angle_deg: Option<f64>,
 }
 
@@ -28,6 +28,21 @@ impl MediumOptions {
         let b = self.b.or(self.spread_angle_deg.map(|d| b_of_spread_angle(d.to_radians())));
         [self.sigma_s, self.sigma_a, b]
     }
+}
+
+/// A finite number above 0.
+pub(super) fn positive(text: &str) -> std::result::Result<f64, String> {
+    number(text, |v| v > 0.0, "must be finite and above 0")
+}
+
+/// A finite number of at least 0.
+pub(super) fn non_negative(text: &str) -> std::result::Result<f64, String> {
+    number(text, |v| v >= 0.0, "must be finite and at least 0")
+}
+
+fn number(text: &str, ok: impl Fn(f64) -> bool, allowed: &str) -> std::result::Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "is no number".to_string())?;
+    if value.is_finite() && ok(value) { Ok(value) } else { Err(allowed.into()) }
 }
 
 /// A model's name; `auto` is `small-angle`.

@@ -22,6 +22,24 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     replace(path, bytes).map_err(|source| Error::Write { path: path.to_path_buf(), source })
 }
 
+/// Finds out early whether [`write`] will be able to write `path`; leaves nothing behind.
+///
+/// # Errors
+/// [`Error::Write`] with the path.
+pub fn check_writable(path: &Path) -> Result<()> {
+    let probe = |target: &Path| {
+        let temporary = temporary_beside(target);
+        fill(&temporary, &[]).and_then(|()| fs::remove_file(&temporary))
+    };
+    let result = match fs::canonicalize(path) {
+        Ok(existing) if existing.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
+        Ok(existing) if !existing.is_file() => Ok(()),
+        Ok(existing) => probe(&existing),
+        Err(_) => probe(path),
+    };
+    result.map_err(|source| Error::Write { path: path.to_path_buf(), source })
+}
+
 /// Makes the directory `path` and those above it, if they do not exist.
 ///
 /// # Errors
@@ -68,6 +86,19 @@ mod tests {
         write(&path, b"two").unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"two");
         assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_probe_leaves_no_trace_and_keeps_what_was_there() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.txt");
+        check_writable(&path).unwrap();
+        assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 0);
+        write(&path, b"one").unwrap();
+        check_writable(&path).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"one");
+        assert!(matches!(check_writable(&dir.path().join("no/a.txt")), Err(Error::Write { .. })));
+        assert!(matches!(check_writable(dir.path()), Err(Error::Write { .. })));
     }
 
     #[test]

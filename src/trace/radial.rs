@@ -208,6 +208,22 @@ impl RadialProfile {
         self.in_bins(0..i + 1)
     }
 
+    /// Radius within which the share `share` of the scattered light falls, interpolated in ln r between two edges; at
+    /// least the first edge and at most the last.
+    pub fn quantile_radius(&self, share: f64) -> f64 {
+        let wanted = share * self.scattered().value;
+        let mut before = 0.0;
+        for (i, bin) in self.tally.bins[..self.edges.len()].iter().enumerate() {
+            let within = before + bin[0] / self.paths as f64;
+            if within >= wanted && within > before {
+                let inner = self.edges[i.max(1) - 1];
+                return inner * (self.edges[i] / inner).powf((wanted - before) / (within - before));
+            }
+            before = within;
+        }
+        self.edges[self.edges.len() - 1]
+    }
+
     /// Mean of the point spread function of the scattered light between radii `edges[lo]` and `edges[hi]`, 1/area.
     pub fn density(&self, lo: usize, hi: usize) -> Estimate {
         let area = PI * (self.edges[hi] * self.edges[hi] - self.edges[lo] * self.edges[lo]);

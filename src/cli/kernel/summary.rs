@@ -1,0 +1,106 @@
+//! What `narrowbeam kernel` says on stdout: totals, second moments, validity, and agreement with traced light.
+
+use super::Setting;
+use crate::compare::{MEDIAN_RADII, worst_encircled_error};
+use crate::spread::{Model, SMALL_ANGLE_LIMIT, SpreadKernel, second_moments};
+use crate::trace::{Estimate, RadialProfile};
+use std::fmt::Write;
+
+/// The models' kernels.
+type Kernels<'a> = [(Model, Box<dyn SpreadKernel + 'a>)];
+
+/// The whole text.
+pub(super) fn text(setting: &Setting, kernels: &Kernels, traced: Option<&RadialProfile>) -> String {
+    let mut text = String::new();
+    // Writing to a String cannot fail.
+    let _ = head(&mut text, setting, traced);
+    let _ = table(&mut text, kernels, traced);
+    text
+}
+
+fn head(out: &mut String, setting: &Setting, traced: Option<&RadialProfile>) -> std::fmt::Result {
+    let Setting { medium, phase, z } = *setting;
+    let (sigma_s, sigma_a, degrees) = (medium.sigma_s(), medium.sigma_a(), phase.spread_angle().to_degrees());
+    writeln!(
+        out,
+        "sigma_s {sigma_s}, sigma_a {sigma_a} (1/length), B {:.6e} rad² (spread angle {degrees:.3}°), depth {z}",
+        phase.b()
+    )?;
+    let tau = medium.tau(z);
+    writeln!(out, "tau {tau:.4}, optical depth {:.4}, albedo {:.4}", medium.sigma_t() * z, medium.albedo())?;
+    let validity = tau * 4.0 * phase.b();
+    let percent = validity / SMALL_ANGLE_LIMIT;
+    let verdict = if validity <= SMALL_ANGLE_LIMIT {
+        format!("not above {SMALL_ANGLE_LIMIT}: small-angle theory holds to 1 % of the transfer function")
+    } else {
+        format!(
+            "above {SMALL_ANGLE_LIMIT}: expect small-angle theory to be off by about {percent:.0} % in the transfer \
+             function"
+        )
+    };
+    writeln!(out, "tau·4B {validity:.4}, {verdict}")?;
+
+    let measured = |of: fn(&RadialProfile) -> Estimate| {
+        traced.map_or(String::new(), |profile| {
+            let Estimate { value, std_error } = of(profile);
+            format!("; traced {} ± {std_error:.1e}", number(value))
+        })
+    };
+    let (exact, printed) = second_moments(&medium, phase.b(), z);
+    writeln!(out)?;
+    writeln!(
+        out,
+        "direct light T     {}{}",
+        number(medium.transmittance(z)),
+        measured(RadialProfile::direct)
+    )?;
+    writeln!(
+        out,
+        "second moment R    {} exact, {} as printed (length²){}",
+        number(exact),
+        number(printed),
+        measured(RadialProfile::second_moment)
+    )?;
+    writeln!(out)
+}
+
+fn table(out: &mut String, kernels: &Kernels, traced: Option<&RadialProfile>) -> std::fmt::Result {
+    write!(out, "{:<20}  {:>20}", "model", "scattered total")?;
+    match traced {
+        Some(_) => writeln!(out, "  {:>32}", "worst encircled-energy error")?,
+        None => writeln!(out)?,
+    }
+    for (model, kernel) in kernels {
+        write!(out, "{:<20}  {:>20}", model.name(), number(kernel.scattered()))?;
+        let worst = traced.and_then(|profile| worst_encircled_error(profile, &**kernel));
+        match worst {
+            Some(worst) => {
+                let Estimate { value, std_error } = worst.share;
+                let cell = format!("{value:.4} ± {std_error:.4} at r = {}", number(worst.radius));
+                writeln!(out, "  {cell:>32}")?;
+            }
+            None => writeln!(out)?,
+        }
+    }
+    if let Some(profile) = traced.filter(|p| p.scattered_paths() > 0) {
+        let total = profile.scattered();
+        let cell = format!("{} ± {:.1e}", number(total.value), total.std_error);
+        writeln!(out, "{:<20}  {cell:>20}", "traced")?;
+        writeln!(
+            out,
+            "Errors are shares of the traced scattered light, over radii up to {MEDIAN_RADII} median radii (r = {}); \
+             ± is one standard error.",
+            number(MEDIAN_RADII * profile.quantile_radius(0.5))
+        )?;
+    }
+    Ok(())
+}
+
+/// Six digits, with an exponent where it would be hard to read without.
+fn number(value: f64) -> String {
+    if value != 0.0 && !(1e-3..1e4).contains(&value.abs()) {
+        format!("{value:.5e}")
+    } else {
+        format!("{value:.6}")
+    }
+}
