@@ -34,10 +34,10 @@ pub(super) struct Arguments {
     #[arg(long = "model", value_name = "NAME", value_parser = parse_model)]
     models: Vec<Model>,
     /// Photons to trace for comparison
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
     photons: u64,
     /// Seed of the random numbers
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    #[arg(long, value_name = "S", default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
     /// Directory to write kernel.csv, mtf.csv and their pictures to; made if need be
     #[arg(long, value_name = "DIR")]

@@ -18,10 +18,10 @@ pub(super) struct Arguments {
     #[arg(value_name = "SCENE")]
     scene: PathBuf,
     /// Paths per pixel, at least 2: the variance is estimated from their differences
-    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(2..))]
+    #[arg(long, value_name = "N", default_value_t = 256, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(2..))]
     samples: u32,
     /// Seed of the random numbers: the same seed gives the same image, for any number of threads
-    #[arg(long, value_name = "S", default_value_t = 1)]
+    #[arg(long, value_name = "S", default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
     #[command(flatten)]
     medium: MediumOptions,
