@@ -5,8 +5,9 @@
 //! derivative in sigma_a is -z times the image), and one evaluation of each slice's transfer function a frequency.
 
 use super::fft2::{Fft2, fast_size};
-use super::footprint::{AliasTable, Lanes, RadialTable, sinc2};
+use super::footprint::sinc2;
 use super::slices::{Slices, pixel_node};
+use super::tables::{AliasTable, Lanes, RadialTable};
 use super::{Optics, Target};
 use crate::error::Result;
 use crate::geometry::Field;

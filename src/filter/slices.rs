@@ -5,11 +5,10 @@
 //! the i-th basis polynomial at each pixel's own (z, a). With parallel rays a follows from z and the nodes lie
 //! along z alone; in a perspective view they form a grid. A map of a few distinct depths gets exactly those.
 
-use super::footprint::Chebyshev;
+use super::chebyshev::Chebyshev;
 use super::{Optics, Target};
 use crate::error::Result;
 use crate::geometry::{Camera, Field};
-use crate::spread::Dual;
 
 /// One slice: a path length and the length of a pixel at it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -121,11 +120,9 @@ impl Slices {
             let weights = self.weights(at);
             for i in 0..FREQUENCIES {
                 let w = std::f64::consts::PI * 0.5_f64.powf(0.5 * i as f64);
-                let slice = |(k, n): (&Box<dyn crate::spread::SpreadKernel + '_>, &Node)| {
-                    k.scattered_transfer(w / n.pitch)
-                };
-                let parts: Vec<Dual> = kernels.iter().zip(&self.nodes).map(slice).collect();
-                let sum: f64 = parts.iter().zip(&weights).map(|(d, w)| d.value * w).sum();
+                let slices = kernels.iter().zip(&self.nodes).zip(&weights);
+                let sum: f64 =
+                    slices.map(|((k, n), weight)| weight * k.scattered_transfer(w / n.pitch).value).sum();
                 let want = kernel.scattered_transfer(w / at.pitch).value;
                 worst = worst.max((sum - want).abs() / kernel.scattered().max(f64::MIN_POSITIVE));
             }

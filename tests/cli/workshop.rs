@@ -79,7 +79,7 @@ impl Workshop {
 /// A pattern of edges and slow changes; `seed` makes others.
 pub fn texture(seed: usize) -> Image {
     Image::from_fn(SIDE, SIDE, |x, y| {
-        let checker = if (x / (5 + seed) + y / 7) % 2 == 0 { 0.7 } else { 0.1 };
+        let checker = if (x / (5 + seed) + y / 7).is_multiple_of(2) { 0.7 } else { 0.1 };
         checker + 0.2 * (1.0 + (0.31 * x as f32 + 0.17 * y as f32).sin())
     })
 }
