@@ -76,7 +76,7 @@ pub struct ChannelFit {
 }
 
 /// How much wider than at the start the kernels may become before a fit is planned anew.
-const HEADROOM: f64 = 1.4;
+pub const HEADROOM: f64 = 1.4;
 /// Times a fit is planned anew, or the noise estimated anew, at most.
 const MOST_ROUNDS: usize = 6;
 
