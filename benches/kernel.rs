@@ -1,13 +1,13 @@
-//! What the kernels cost: transfer functions with their derivatives, densities, and the filter's table of aliases.
+//! What the kernels cost: transfer functions with their derivatives, densities, and the aliases of a pixel grid.
 //!
 //! The floor of the exact small-angle transfer function is one error function, one exp and one exp_m1 a frequency;
-//! the filter evaluates it at every frequency of every depth slice.
+//! the filter evaluates it at some hundreds of frequencies a depth slice and at their aliases.
 
 mod common;
 
 use common::nanoseconds;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use narrowbeam::filter::footprint::AliasTable;
+use narrowbeam::filter::footprint::aliases;
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Gaussian, b_of_spread_angle};
 use narrowbeam::spread::{Model, SpreadKernel};
@@ -18,6 +18,9 @@ use std::time::Duration;
 const TAU: f64 = 2.0;
 const SIGMA_A: f64 = 0.05;
 const SPREAD_ANGLE_DEG: f64 = 8.0;
+
+/// Aliases summed one by one to each side, as many as the filter takes.
+const REACH: i32 = 6;
 
 /// Frequencies x = sqrt(B) k z from where the transfer function is flat to where only direct light is left.
 const X: (f64, f64) = (1e-2, 2e1);
@@ -60,8 +63,8 @@ fn density(c: &mut Criterion) {
     }
     group.finish();
     let kernel = kernel(Model::SmallAngle, &phase);
-    c.bench_function("table of aliases of one slice, small-angle, 3 px wide", |b| {
-        b.iter(|| AliasTable::new(&*kernel, black_box(width / 3.0)));
+    c.bench_function("aliases of one frequency, small-angle, 3 px wide", |b| {
+        b.iter(|| aliases(&*kernel, black_box(width / 3.0), 1.0, 1.0, REACH));
     });
 }
 

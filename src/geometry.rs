@@ -149,21 +149,27 @@ impl Geometry {
         direction.z
     }
 
-    /// The path lengths of all pixels that show an object, in increasing order.
-    pub fn sorted_path_lengths(&self) -> Vec<f64> {
-        let pixels = (0..self.height).flat_map(|y| (0..self.width).map(move |x| (x, y)));
-        let mut z: Vec<f64> = pixels.filter_map(|(x, y)| self.path_length(x, y)).collect();
-        z.sort_by(f64::total_cmp);
-        z
+    /// The path lengths of all pixels that show an object; one stands for all of a flat scene.
+    pub fn path_lengths(&self) -> Vec<f64> {
+        self.over_pixels(&[&self.depth, &self.surface], |x, y| self.path_length(x, y))
     }
 
     /// Median length of a pixel at the object.
     pub fn median_pixel_pitch(&self) -> f64 {
-        let pixels = (0..self.height).flat_map(|y| (0..self.width).map(move |x| (x, y)));
-        let shown = pixels.filter(|&(x, y)| self.object_distance(x, y).is_some());
-        let mut pitches: Vec<f64> = shown.map(|(x, y)| self.pixel_pitch(x, y)).collect();
-        pitches.sort_by(f64::total_cmp);
-        pitches[pitches.len() / 2]
+        let shown = |x, y| self.object_distance(x, y).map(|_| self.pixel_pitch(x, y));
+        let flat = matches!(self.camera, Camera::Orthographic { .. });
+        let on: &[&Field] = if flat { &[] } else { &[&self.depth] };
+        let mut pitches = self.over_pixels(on, shown);
+        let middle = pitches.len() / 2;
+        *pitches.select_nth_unstable_by(middle, f64::total_cmp).1
+    }
+
+    /// `f` of every pixel where it is defined; of the first such alone if none of the fields that it depends `on`
+    /// varies.
+    fn over_pixels(&self, on: &[&Field], f: impl Fn(usize, usize) -> Option<f64>) -> Vec<f64> {
+        let constant = on.iter().all(|field| matches!(field, Field::Uniform(_)));
+        let all = (0..self.width * self.height).filter_map(|i| f(i % self.width, i / self.width));
+        all.take(if constant { 1 } else { usize::MAX }).collect()
     }
 
     /// Refuses an object before the medium's surface, and a scene without any object.

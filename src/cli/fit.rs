@@ -1,7 +1,145 @@
-//! stub
+//! `narrowbeam fit`: from observed scenes to a medium.
+
+use super::UNDETERMINED;
+use super::options::{Backend, parse_backend, parse_model, provenance};
+use super::progress::Progress;
+use crate::filter::Filter;
+use crate::fit::report::FitReport;
+use crate::fit::scenes::{SceneFit, fit_scenes};
+use crate::fit::{Method, Settings};
+use crate::io::colour::{Tone, residual_scale};
+use crate::io::{atomic, exr, png};
+use crate::plots::{Figure, Panel, Shade};
+use crate::scene::{Purpose, Scene};
+use crate::spread::Model;
+use anyhow::Result;
+use std::path::PathBuf;
 use std::process::ExitCode;
+
 #[derive(Debug, clap::Args)]
-pub(super) struct Arguments {}
-pub(super) fn run(_arguments: &Arguments) -> anyhow::Result<ExitCode> {
-    Ok(ExitCode::SUCCESS)
+pub(super) struct Arguments {
+    /// Scene files; several share one medium
+    #[arg(required = true, value_name = "SCENE.toml")]
+    scenes: Vec<PathBuf>,
+    /// Spread model: beer-lambert, single-scatter, gaussian, narrow-beam-printed, narrow-beam, small-angle or auto
+    #[arg(long, default_value = "auto", value_parser = parse_model)]
+    model: Model,
+    /// Filter for depth maps: eq29 or auto
+    #[arg(long, default_value = "auto")]
+    filter: Filter,
+    /// Where to compute: cpu or auto
+    #[arg(long, default_value = "auto", value_parser = parse_backend)]
+    backend: Backend,
+    /// Optimiser: levenberg-marquardt or nelder-mead
+    #[arg(long, default_value = "levenberg-marquardt")]
+    solver: Method,
+    /// Iterations after which a fit is given up
+    #[arg(long, default_value_t = 60, value_parser = clap::value_parser!(u64).range(1..))]
+    max_iterations: u64,
+    /// Directory for fit.json, render.exr, residual.exr and pictures
+    #[arg(long, default_value = "narrowbeam-fit", value_name = "DIR")]
+    out: PathBuf,
+    /// Print the report as JSON, alone on stdout
+    #[arg(long)]
+    json: bool,
+}
+
+/// Renders that a typical fit takes, for the progress bar.
+const TYPICAL_RENDERS: u64 = 40;
+
+pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
+    let scenes = arguments
+        .scenes
+        .iter()
+        .map(|path| Scene::read(path, Purpose::Fit))
+        .collect::<crate::Result<Vec<_>>>()?;
+    atomic::create_dir(&arguments.out)?;
+    let renders = TYPICAL_RENDERS * (scenes.len() * scenes[0].object.len()) as u64;
+    let progress = Progress::new("fitting", "renders", renders);
+    let settings = Settings {
+        model: arguments.model,
+        method: arguments.solver,
+        max_iterations: arguments.max_iterations,
+        progress: &|| progress.add(1),
+    };
+    let mut fit = fit_scenes(&scenes, &settings, arguments.filter)?;
+    drop(progress);
+    fit.report.command = provenance().into_iter().find(|(key, _)| key == "command").map(|(_, value)| value);
+    write(arguments, &scenes, &fit)?;
+    tell(arguments, &fit.report)?;
+    Ok(if fit.report.is_complete() { ExitCode::SUCCESS } else { ExitCode::from(UNDETERMINED) })
+}
+
+/// The table for people goes to stdout, or to stderr if stdout is for the JSON.
+fn tell(arguments: &Arguments, report: &FitReport) -> Result<()> {
+    let mut text = String::new();
+    let rows = report.table("1/length");
+    let width = |c: usize| rows.iter().map(|r| r[c].chars().count()).max().unwrap_or(0);
+    for row in &rows {
+        let cells: Vec<String> =
+            row.iter().enumerate().map(|(c, cell)| format!("{cell:<w$}", w = width(c))).collect();
+        text += &format!("{}\n", cells.join("   ").trim_end());
+    }
+    text += &format!("{}\n", how_it_went(arguments, report));
+    if arguments.json {
+        eprint!("{text}");
+        println!("{}", serde_json::to_string_pretty(report)?);
+    } else {
+        print!("{text}");
+    }
+    for warning in &report.warnings {
+        eprintln!("warning ({}): {}", warning.code, warning.message);
+    }
+    Ok(())
+}
+
+fn how_it_went(arguments: &Arguments, report: &FitReport) -> String {
+    let fit = &report.fit;
+    format!(
+        "{}, {} on {}: reduced chi² {:.3} over {} pixels, {} iterations, {} renders, {:.3} s; report in {}",
+        report.model,
+        report.filter,
+        arguments.backend.name(),
+        fit["reduced_chi2"].as_f64().unwrap_or(f64::NAN),
+        fit["pixels"],
+        fit["iterations"],
+        fit["evaluations"],
+        fit["seconds"].as_f64().unwrap_or(f64::NAN),
+        arguments.out.display()
+    )
+}
+
+/// `render`, `residual` and the pictures of each scene, then the report.
+fn write(arguments: &Arguments, scenes: &[Scene], fit: &SceneFit) -> Result<()> {
+    for (i, scene) in scenes.iter().enumerate() {
+        let observation = scene.observation.as_ref().expect("read for a fit");
+        let suffix = if scenes.len() == 1 { String::new() } else { format!("-{}", i + 1) };
+        let file = |name: &str, kind: &str| arguments.out.join(format!("{name}{suffix}.{kind}"));
+        let (render, residual) = (fit.render(i), fit.residual(i, &observation.image));
+        exr::write(&file("render", "exr"), &render, &provenance())?;
+        exr::write(&file("residual", "exr"), &residual, &provenance())?;
+        let tone = Tone::of(&observation.image);
+        let scale = residual_scale(&residual);
+        png::write_picture(&file("object", "png"), &scene.object, Tone::of(&scene.object))?;
+        png::write_picture(&file("observed", "png"), &observation.image, tone)?;
+        png::write_picture(&file("render", "png"), &render, tone)?;
+        png::write_residual(&file("residual", "png"), &residual, Some(scale))?;
+        let panel = |title: &str, channels, shade| Panel { title: title.into(), channels, shade };
+        let figure = Figure {
+            title: format!("{}: {} fit", scene.path.display(), fit.report.model),
+            panels: vec![
+                panel("object (clear)", scene.object.clone(), Shade::Radiance(Tone::of(&scene.object))),
+                panel("observed", observation.image.clone(), Shade::Radiance(tone)),
+                panel("best fit", render, Shade::Radiance(tone)),
+                panel("observed - best fit", residual, Shade::Diverging { scale }),
+            ],
+            columns: 4,
+            table: fit.report.table("1/length"),
+            notes: vec![how_it_went(arguments, &fit.report)],
+        };
+        figure.write_png(&file("fit", "png"))?;
+    }
+    let json = serde_json::to_string_pretty(&fit.report)?;
+    atomic::write(&arguments.out.join("fit.json"), json.as_bytes())?;
+    Ok(())
 }

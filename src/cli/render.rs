@@ -1,7 +1,61 @@
-//! stub
+//! `narrowbeam render`: a scene through its medium by a spread model.
+
+use super::options::{Backend, MediumOptions, parse_backend, parse_model, provenance};
+use crate::filter::cpu::CpuFilter;
+use crate::filter::{Filter, Optics, Target};
+use crate::image::Channel;
+use crate::io::exr;
+use crate::medium::Medium;
+use crate::phase::Gaussian;
+use crate::scene::{Purpose, Scene};
+use crate::spread::Model;
+use anyhow::Result;
+use std::path::PathBuf;
 use std::process::ExitCode;
+
 #[derive(Debug, clap::Args)]
-pub(super) struct Arguments {}
-pub(super) fn run(_arguments: &Arguments) -> anyhow::Result<ExitCode> {
+pub(super) struct Arguments {
+    /// Scene file
+    #[arg(value_name = "SCENE.toml")]
+    scene: PathBuf,
+    /// Spread model: beer-lambert, single-scatter, gaussian, narrow-beam-printed, narrow-beam, small-angle or auto
+    #[arg(long, default_value = "auto", value_parser = parse_model)]
+    model: Model,
+    /// Filter for depth maps: eq29 or auto
+    #[arg(long, default_value = "auto")]
+    filter: Filter,
+    /// Where to compute: cpu or auto
+    #[arg(long, default_value = "auto", value_parser = parse_backend)]
+    backend: Backend,
+    #[command(flatten)]
+    medium: MediumOptions,
+    /// Image to write
+    #[arg(long, value_name = "FILE.exr")]
+    output: PathBuf,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
+    let scene = Scene::read(&arguments.scene, Purpose::Render)?;
+    let media = scene.medium_values(arguments.medium.values())?;
+    let mut channels = Vec::new();
+    for (object, values) in scene.object.iter().zip(&media) {
+        let phase = Gaussian::new(values.b)?;
+        let medium = Medium::new(values.sigma_s, values.sigma_a)?;
+        let optics = Optics { model: arguments.model, medium, phase: &phase };
+        let target = Target {
+            radiance: &object.image,
+            geometry: &scene.geometry,
+            border: scene.border,
+            view: scene.view,
+        };
+        let image = CpuFilter::new(target, &optics, 1.0)?.render(&optics)?;
+        channels.push(Channel { name: object.name.clone(), image });
+    }
+    let mut attributes = provenance();
+    attributes.push(("model".into(), arguments.model.name().into()));
+    attributes.push(("filter".into(), arguments.filter.name().into()));
+    attributes.push(("backend".into(), arguments.backend.name().into()));
+    attributes.push(("medium".into(), format!("{media:?}")));
+    exr::write(&arguments.output, &channels, &attributes)?;
     Ok(ExitCode::SUCCESS)
 }

@@ -5,12 +5,14 @@
 //! derivative in sigma_a is -z times the image), and one evaluation of each slice's transfer function a frequency.
 
 use super::fft2::{Fft2, fast_size};
-use super::footprint::{AliasTable, baseband};
+use super::footprint::sinc2;
 use super::slices::{Slices, pixel_node};
+use super::tables::{AliasTable, Lanes, RadialTable};
 use super::{Optics, Target};
 use crate::error::Result;
+use crate::geometry::Field;
 use crate::image::{Border, Image};
-use crate::spread::{Model, SpreadKernel};
+use crate::spread::Model;
 use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 use std::f64::consts::PI;
@@ -40,7 +42,8 @@ pub struct CpuFilter<'a> {
     fft: Fft2<f32>,
     margin: [usize; 2],
     spectra: Vec<Vec<Complex<f32>>>,
-    basis: [Vec<[f64; 8]>; 2],
+    axes: [Axis; 2],
+    depths: Field,
 }
 
 impl<'a> CpuFilter<'a> {
@@ -62,8 +65,9 @@ impl<'a> CpuFilter<'a> {
         let margin = [x.margin, y.margin];
         let planes = weighted_objects(&target, &slices, [x, y]);
         let spectra = planes.into_iter().map(|plane| fft.forward(plane)).collect();
-        let basis = [AliasTable::basis(x.size), AliasTable::basis(y.size)];
-        Self { target, reach_px, slices, fft, margin, spectra, basis }
+        let axes = [Axis::new(x.size), Axis::new(y.size)];
+        let depths = view_depths(&target);
+        Self { target, reach_px, slices, fft, margin, spectra, axes, depths }
     }
 
     /// Whether the padding and the slices serve the kernels of `optics` too.
@@ -105,7 +109,7 @@ impl<'a> CpuFilter<'a> {
 
     /// The first `count` of image, d/d sigma_s, d/d sigma_a, d/d B.
     fn evaluate(&self, optics: &Optics, count: usize) -> Result<Vec<Image>> {
-        let mut planes = self.direct(optics, count)?;
+        let mut planes = self.direct(optics, count);
         if optics.model != Model::BeerLambert {
             let single = self.slice_count() == 1;
             let transformed: Vec<usize> = (0..count).filter(|&c| c != 2 || !single).collect();
@@ -123,29 +127,42 @@ impl<'a> CpuFilter<'a> {
     }
 
     /// T(z) L at every pixel of the view, and its derivatives.
-    fn direct(&self, optics: &Optics, count: usize) -> Result<Vec<Image>> {
-        let Target { radiance, geometry, view, .. } = self.target;
+    fn direct(&self, optics: &Optics, count: usize) -> Vec<Image> {
+        let Target { radiance, view, .. } = self.target;
         let mut planes = vec![Image::filled(view.width, view.height, 0.0); count];
+        let once = match self.depths {
+            Field::Uniform(z) => Some((z, optics.medium.transmittance(z))),
+            Field::Map(_) => None,
+        };
         for i in 0..view.pixels() {
-            let (x, y) = (view.x + i % view.width, view.y + i / view.width);
-            if let Some(z) = geometry.path_length(x, y) {
-                let light = optics.medium.transmittance(z) as f32 * radiance.at(x, y);
+            let (x, y) = (i % view.width, i / view.width);
+            let (z, transmittance) = once.unwrap_or_else(|| {
+                let z = self.depths.at(x, y);
+                (z, optics.medium.transmittance(z))
+            });
+            if transmittance > 0.0 {
+                let light = transmittance as f32 * radiance.at(view.x + x, view.y + y);
                 for (plane, factor) in planes.iter_mut().zip([1.0, -z, -z, 0.0]) {
                     plane.data[i] = factor as f32 * light;
                 }
             }
         }
-        Ok(planes)
+        planes
     }
 
     /// Spectra of the scattered light: the sum over slices of transfer function times weighted object, for each of
     /// the `components` (0 the image, 1-3 its derivatives).
     fn scattered_spectra(&self, optics: &Optics, components: &[usize]) -> Result<Vec<Vec<Complex<f32>>>> {
         let (half, height) = (self.fft.half_width(), self.fft.height);
-        let kernels = self.slices.nodes.iter().map(|n| optics.kernel(n.z)).collect::<Result<Vec<_>>>()?;
-        let pitches: Vec<f64> = self.slices.nodes.iter().map(|n| n.pitch).collect();
-        let aliases: Vec<AliasTable> =
-            kernels.par_iter().zip(&pitches).map(|(k, &pitch)| AliasTable::new(&**k, pitch)).collect();
+        let tables = self
+            .slices
+            .nodes
+            .par_iter()
+            .map(|node| {
+                let kernel = optics.kernel(node.z)?;
+                Ok((RadialTable::new(&*kernel, node.pitch), AliasTable::new(&*kernel, node.pitch)))
+            })
+            .collect::<Result<Vec<_>>>()?;
         let mut sums = vec![vec![Complex::new(0.0, 0.0); half * height]; components.len()];
         let mut columns: Vec<Vec<&mut [Complex<f32>]>> = (0..half).map(|_| Vec::new()).collect();
         for sum in &mut sums {
@@ -153,15 +170,16 @@ impl<'a> CpuFilter<'a> {
                 column.push(part);
             }
         }
+        let [across, down] = &self.axes;
         columns.into_par_iter().enumerate().for_each(|(kx, mut column)| {
-            let wx = 2.0 * PI * kx as f64 / self.fft.width as f64;
-            let slices = kernels.iter().zip(&pitches).zip(&aliases).zip(&self.spectra);
-            for (((kernel, &pitch), alias), spectrum) in slices {
+            for ((radial, alias), spectrum) in tables.iter().zip(&self.spectra) {
                 let spectrum = &spectrum[kx * height..(kx + 1) * height];
-                let row = alias.row(&self.basis[0][kx]);
+                let line = alias.line(&across.basis[kx]);
                 for ky in 0..=height / 2 {
-                    let wy = 2.0 * PI * ky as f64 / height as f64;
-                    let transfer = transfer(&**kernel, pitch, wx, wy, row.at(&self.basis[1][ky]));
+                    let weight = across.sinc2[kx] * down.sinc2[ky];
+                    let base = radial.at(across.w[kx].hypot(down.w[ky]));
+                    let beyond = line.at(&down.basis[ky]);
+                    let transfer: Lanes = std::array::from_fn(|c| weight * base[c] + beyond[c]);
                     for (out, &c) in column.iter_mut().zip(components) {
                         out[ky] += spectrum[ky] * transfer[c];
                         if ky > 0 && 2 * ky < height {
@@ -184,11 +202,30 @@ impl<'a> CpuFilter<'a> {
     }
 }
 
-/// The transfer function s̃ and its derivatives, as f32.
-fn transfer(kernel: &dyn SpreadKernel, pitch: f64, wx: f64, wy: f64, alias: [f64; 4]) -> [f32; 4] {
-    let base = baseband(kernel, pitch, wx, wy);
-    let parts = [base.value, base.gradient[0], base.gradient[1], base.gradient[2]];
-    std::array::from_fn(|c| (parts[c] + alias[c]) as f32)
+/// The frequencies 0 to pi rad/px of one axis, and what the transfer function needs at each.
+struct Axis {
+    w: Vec<f64>,
+    sinc2: Vec<f32>,
+    basis: Vec<[f32; 8]>,
+}
+
+impl Axis {
+    fn new(n: usize) -> Self {
+        let w: Vec<f64> = (0..=n / 2).map(|i| 2.0 * PI * i as f64 / n as f64).collect();
+        let sinc2 = w.iter().map(|&w| sinc2(w, 0) as f32).collect();
+        Self { w, sinc2, basis: AliasTable::basis(n) }
+    }
+}
+
+/// Path lengths over the view; infinite where there is no object, which lets no light through.
+fn view_depths(target: &Target) -> Field {
+    let (geometry, view) = (target.geometry, target.view);
+    match (&geometry.depth, &geometry.surface) {
+        (Field::Uniform(depth), Field::Uniform(surface)) => Field::Uniform(depth - surface),
+        _ => Field::Map(Image::from_fn(view.width, view.height, |x, y| {
+            geometry.path_length(view.x + x, view.y + y).map_or(f32::INFINITY, |z| z as f32)
+        })),
+    }
 }
 
 /// Radius in pixels beyond which less than [`OUTSIDE`] of the light of any slice falls.

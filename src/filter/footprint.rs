@@ -71,115 +71,9 @@ pub fn baseband(kernel: &dyn SpreadKernel, pitch: f64, wx: f64, wy: f64) -> Dual
     sum
 }
 
-/// Nodes a side at which the aliases are computed; between them they are interpolated.
-const NODES: usize = 8;
-/// Aliases summed one by one on each side of the baseband.
-const REACH: i32 = 6;
-
-/// The alias part of s̃ for one kernel, interpolated over 0 ≤ wx, wy ≤ pi.
-///
-/// The nearest singularity of the alias sum lies at 2 pi, three half-widths from the middle of the interval, so
-/// Chebyshev interpolation converges like (3 + sqrt 8)^-n: 8 nodes leave 1e-6 of a part that is itself small.
-pub struct AliasTable {
-    /// Chebyshev-node values, [component][node of wy][node of wx].
-    values: [[[f64; NODES]; NODES]; 4],
-}
-
-impl AliasTable {
-    /// Computes the nodes for `kernel` seen at `pitch` (length per pixel).
-    pub fn new(kernel: &dyn SpreadKernel, pitch: f64) -> Self {
-        let nodes = Chebyshev::new(NODES, 0.0, PI);
-        let mut values = [[[0.0; NODES]; NODES]; 4];
-        for j in 0..NODES {
-            for i in 0..=j {
-                let a = aliases(kernel, pitch, nodes.x[i], nodes.x[j], REACH);
-                for (c, v) in [a.value, a.gradient[0], a.gradient[1], a.gradient[2]].into_iter().enumerate() {
-                    values[c][j][i] = v;
-                    values[c][i][j] = v;
-                }
-            }
-        }
-        Self { values }
-    }
-
-    /// The table along one line of constant wy, whose basis values are `basis_y`.
-    pub fn row(&self, basis_y: &[f64; NODES]) -> AliasRow {
-        let mut row = [[0.0; NODES]; 4];
-        for (out, table) in row.iter_mut().zip(&self.values) {
-            for (weight, line) in basis_y.iter().zip(table) {
-                for (o, v) in out.iter_mut().zip(line) {
-                    *o += weight * v;
-                }
-            }
-        }
-        AliasRow { row }
-    }
-
-    /// Basis values at the frequencies 2 pi i / `n`, i = 0..=n/2.
-    pub fn basis(n: usize) -> Vec<[f64; NODES]> {
-        let nodes = Chebyshev::new(NODES, 0.0, PI);
-        (0..=n / 2)
-            .map(|i| {
-                let weights = nodes.basis(2.0 * PI * i as f64 / n as f64);
-                weights.try_into().expect("as many weights as nodes")
-            })
-            .collect()
-    }
-}
-
-/// An [`AliasTable`] along one line.
-pub struct AliasRow {
-    row: [[f64; NODES]; 4],
-}
-
-impl AliasRow {
-    /// Value and derivatives where the basis along x is `basis_x`.
-    pub fn at(&self, basis_x: &[f64; NODES]) -> [f64; 4] {
-        std::array::from_fn(|c| self.row[c].iter().zip(basis_x).map(|(v, b)| v * b).sum())
-    }
-}
-
-/// Chebyshev points of the second kind on an interval, with the barycentric Lagrange basis on them
-/// (Berrut and Trefethen 2004).
-#[derive(Debug, Clone)]
-pub struct Chebyshev {
-    /// The nodes, increasing.
-    pub x: Vec<f64>,
-}
-
-impl Chebyshev {
-    /// `n` ≥ 1 nodes on [`a`, `b`]; a single one lies in the middle.
-    pub fn new(n: usize, a: f64, b: f64) -> Self {
-        let node = |i: usize| {
-            let c = if n == 1 { 0.0 } else { -(PI * i as f64 / (n - 1) as f64).cos() };
-            0.5 * (a + b) + 0.5 * (b - a) * c
-        };
-        Self { x: (0..n).map(node).collect() }
-    }
-
-    /// Weight of each node's value in the interpolant at `x`; they add up to 1.
-    pub fn basis(&self, x: f64) -> Vec<f64> {
-        let last = self.x.len() - 1;
-        if let Some(hit) = self.x.iter().position(|&node| node == x) {
-            return (0..=last).map(|i| f64::from(u8::from(i == hit))).collect();
-        }
-        let weight = |i: usize| {
-            let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
-            let end = if last > 0 && (i == 0 || i == last) { 0.5 } else { 1.0 };
-            sign * end / (x - self.x[i])
-        };
-        let raw: Vec<f64> = (0..=last).map(weight).collect();
-        let sum: f64 = raw.iter().sum();
-        raw.into_iter().map(|w| w / sum).collect()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::medium::Medium;
-    use crate::phase::Gaussian;
-    use crate::spread::Model;
 
     #[test]
     fn squared_sincs_of_all_aliases_add_up_to_one() {
@@ -187,31 +81,6 @@ mod tests {
             let sum: f64 = (-4000..=4000).map(|m| sinc2(w, m)).sum();
             // The tail beyond reach n is at most 2 / (pi² n).
             assert!((sum - 1.0).abs() < 1e-4, "{sum}");
-        }
-    }
-
-    #[test]
-    fn interpolated_aliases_equal_a_long_sum_of_them() {
-        let medium = Medium::new(1.0, 0.1).unwrap();
-        let phase = Gaussian::new(0.004).unwrap();
-        for width_px in [0.03, 0.3, 1.0, 4.0, 30.0] {
-            let kernel = Model::SmallAngle.kernel(&medium, &phase, 1.5).unwrap();
-            let pitch = kernel.width() / width_px;
-            let table = AliasTable::new(&*kernel, pitch);
-            let basis = AliasTable::basis(14);
-            let mut worst: f64 = 0.0;
-            for (j, by) in basis.iter().enumerate() {
-                let row = table.row(by);
-                for (i, bx) in basis.iter().enumerate() {
-                    let (wx, wy) = (2.0 * PI * i as f64 / 14.0, 2.0 * PI * j as f64 / 14.0);
-                    let long = aliases(&*kernel, pitch, wx, wy, 150).value;
-                    worst = worst.max((row.at(bx)[0] - long).abs() / kernel.scattered());
-                }
-            }
-            println!("kernel width {width_px} px: aliases off by {worst:.1e} of the scattered light");
-            // The reach leaves 7 % of the weights to the rings, which stand for a smooth sum to a few permille
-            // (second order in the rings' width and in 1/reach); wider kernels have no light out there.
-            assert!(worst < if width_px < 0.1 { 2e-4 } else { 2e-5 }, "{width_px}: {worst}");
         }
     }
 }

@@ -14,12 +14,14 @@
 //! Border: outside the object image there is nothing (`zero`), the outermost pixel (`clamp`, as far as the kernel
 //! reaches) or the mirrored image, periodically (`mirror`).
 
+mod chebyshev;
 pub mod cpu;
 pub mod direct_sum;
 mod fft2;
 pub mod footprint;
 pub mod per_depth;
 pub mod slices;
+mod tables;
 mod unit_cells;
 
 use crate::error::{Error, Result};

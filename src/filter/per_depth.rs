@@ -73,9 +73,12 @@ pub fn render(target: &Target, optics: &Optics) -> Result<Vec<f64>> {
     Ok((0..view.pixels()).map(pixel).collect())
 }
 
-/// The object's pixels (row, column), in order, under each distinct path length and pitch.
-pub(super) fn pixels_by_node(target: &Target) -> Vec<(Node, Vec<(usize, usize)>)> {
-    let mut groups: BTreeMap<[u64; 2], (Node, Vec<(usize, usize)>)> = BTreeMap::new();
+/// A path length and pitch, and the pixels (row, column) that have it, in order.
+pub(super) type Group = (Node, Vec<(usize, usize)>);
+
+/// The object's pixels under each distinct path length and pitch.
+pub(super) fn pixels_by_node(target: &Target) -> Vec<Group> {
+    let mut groups: BTreeMap<[u64; 2], Group> = BTreeMap::new();
     for y in 0..target.radiance.height {
         for x in 0..target.radiance.width {
             if let Some(node) = pixel_node(target, x, y) {

@@ -5,11 +5,10 @@
 //! the i-th basis polynomial at each pixel's own (z, a). With parallel rays a follows from z and the nodes lie
 //! along z alone; in a perspective view they form a grid. A map of a few distinct depths gets exactly those.
 
-use super::footprint::Chebyshev;
+use super::chebyshev::Chebyshev;
 use super::{Optics, Target};
 use crate::error::Result;
-use crate::geometry::Camera;
-use crate::spread::Dual;
+use crate::geometry::{Camera, Field};
 
 /// One slice: a path length and the length of a pixel at it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,22 +56,21 @@ impl Range {
 impl Slices {
     /// `count` slices along z for `target`, fewer if it has fewer distinct path lengths.
     pub fn new(target: &Target, count: usize) -> Self {
-        let g = target.geometry;
-        let nodes: Vec<Node> = object_nodes(target).collect();
-        match g.camera {
+        Self::over(target, &sorted_nodes(target), count)
+    }
+
+    /// The same from the sorted nodes of the target's pixels.
+    fn over(target: &Target, nodes: &[Node], count: usize) -> Self {
+        match target.geometry.camera {
             Camera::Orthographic { pixel_pitch } => {
                 let node = |z: f64| Node { z, pitch: pixel_pitch };
-                let mut distinct = nodes.iter().map(|n| n.z).collect::<Vec<_>>();
-                distinct.sort_by(f64::total_cmp);
+                let mut distinct: Vec<f64> = nodes.iter().map(|n| n.z).collect();
                 distinct.dedup();
                 if distinct.len() <= count {
-                    return Self {
-                        nodes: distinct.iter().map(|&z| node(z)).collect(),
-                        layout: Layout::Exact(distinct),
-                    };
+                    let nodes = distinct.iter().map(|&z| node(z)).collect();
+                    return Self { nodes, layout: Layout::Exact(distinct) };
                 }
-                let range = Range::of(distinct.into_iter());
-                let line = Chebyshev::new(count, range.low, range.high);
+                let line = Chebyshev::new(count, distinct[0], distinct[distinct.len() - 1]);
                 Self { nodes: line.x.iter().map(|&z| node(z)).collect(), layout: Layout::Line(line) }
             }
             Camera::Perspective { .. } => {
@@ -82,9 +80,9 @@ impl Slices {
                 // Pitch and path length are nearly proportional, so this range is short: half the nodes serve.
                 let many = if a.high > a.low * (1.0 + 1e-9) { count.div_ceil(2).max(2) } else { 1 };
                 let magnification = Chebyshev::new(many, a.low, a.high);
-                let nodes =
+                let grid =
                     magnification.x.iter().flat_map(|&a| z.x.iter().map(move |&z| Node { z, pitch: a * z }));
-                Self { nodes: nodes.collect(), layout: Layout::Grid { z, magnification } }
+                Self { nodes: grid.collect(), layout: Layout::Grid { z, magnification } }
             }
         }
     }
@@ -108,22 +106,23 @@ impl Slices {
     /// # Errors
     /// As [`Optics::kernel`].
     pub fn error(&self, target: &Target, optics: &Optics) -> Result<f64> {
-        if matches!(self.layout, Layout::Exact(_)) {
-            return Ok(0.0);
+        match self.layout {
+            Layout::Exact(_) => Ok(0.0),
+            _ => self.error_at(&samples(&sorted_nodes(target)), optics),
         }
+    }
+
+    fn error_at(&self, samples: &[Node], optics: &Optics) -> Result<f64> {
         let kernels = self.nodes.iter().map(|n| optics.kernel(n.z)).collect::<Result<Vec<_>>>()?;
-        let samples = sample_nodes(target);
         let mut worst: f64 = 0.0;
-        for at in samples {
+        for &at in samples {
             let kernel = optics.kernel(at.z)?;
             let weights = self.weights(at);
             for i in 0..FREQUENCIES {
                 let w = std::f64::consts::PI * 0.5_f64.powf(0.5 * i as f64);
-                let slice = |(k, n): (&Box<dyn crate::spread::SpreadKernel + '_>, &Node)| {
-                    k.scattered_transfer(w / n.pitch)
-                };
-                let parts: Vec<Dual> = kernels.iter().zip(&self.nodes).map(slice).collect();
-                let sum: f64 = parts.iter().zip(&weights).map(|(d, w)| d.value * w).sum();
+                let slices = kernels.iter().zip(&self.nodes).zip(&weights);
+                let sum: f64 =
+                    slices.map(|((k, n), weight)| weight * k.scattered_transfer(w / n.pitch).value).sum();
                 let want = kernel.scattered_transfer(w / at.pitch).value;
                 worst = worst.max((sum - want).abs() / kernel.scattered().max(f64::MIN_POSITIVE));
             }
@@ -136,13 +135,13 @@ impl Slices {
     /// # Errors
     /// As [`Optics::kernel`].
     pub fn for_tolerance(target: &Target, optics: &Optics, tolerance: f64) -> Result<Self> {
+        let nodes = sorted_nodes(target);
+        let samples = samples(&nodes);
         let mut count = 2;
         loop {
-            let slices = Self::new(target, count);
-            if slices.nodes.len() < count
-                || count >= MOST_SLICES
-                || slices.error(target, optics)? <= tolerance
-            {
+            let slices = Self::over(target, &nodes, count);
+            let exact = matches!(slices.layout, Layout::Exact(_));
+            if exact || count >= MOST_SLICES || slices.error_at(&samples, optics)? <= tolerance {
                 return Ok(slices);
             }
             count += count.div_ceil(3);
@@ -163,15 +162,22 @@ pub fn pixel_node(target: &Target, x: usize, y: usize) -> Option<Node> {
     g.path_length(x, y).map(|z| Node { z, pitch: g.pixel_pitch(x, y) })
 }
 
-fn object_nodes<'a>(target: &'a Target) -> impl Iterator<Item = Node> + 'a {
+/// The nodes of all pixels that show an object, by path length; one stands for all of a flat scene.
+fn sorted_nodes(target: &Target) -> Vec<Node> {
     let g = target.geometry;
-    (0..g.width * g.height).filter_map(move |i| pixel_node(target, i % g.width, i / g.width))
+    let flat = matches!(
+        (&g.camera, &g.depth, &g.surface),
+        (Camera::Orthographic { .. }, Field::Uniform(_), Field::Uniform(_))
+    );
+    let pixels = if flat { 1 } else { g.width * g.height };
+    let mut nodes: Vec<Node> =
+        (0..pixels).filter_map(|i| pixel_node(target, i % g.width, i / g.width)).collect();
+    nodes.sort_by(|a, b| a.z.total_cmp(&b.z));
+    nodes
 }
 
-/// Pixels spread evenly over the order of their path lengths.
-fn sample_nodes(target: &Target) -> Vec<Node> {
-    let mut nodes: Vec<Node> = object_nodes(target).collect();
-    nodes.sort_by(|a, b| a.z.total_cmp(&b.z));
+/// Some of `nodes`, evenly over their order, and the last.
+fn samples(nodes: &[Node]) -> Vec<Node> {
     let step = (nodes.len() / SAMPLES).max(1);
-    nodes.into_iter().step_by(step).collect()
+    nodes.iter().step_by(step).chain(nodes.last()).copied().collect()
 }

@@ -11,6 +11,7 @@ mod start;
 mod uncertainty;
 
 pub mod report;
+pub mod scenes;
 
 pub use parameters::{Bounds, NAMES, Parameters};
 pub use residual::{Datum, Exposure, VeilTerm};
@@ -20,27 +21,34 @@ pub use uncertainty::{Status, Uncertainty};
 use crate::error::{Error, Result};
 use crate::filter::Optics;
 use crate::filter::cpu::CpuFilter;
+use crate::image::Image;
 use crate::medium::Medium;
 use crate::phase::Gaussian;
-use crate::scene::FitOptions;
+use crate::scene::{FitOptions, Gain};
 use crate::spread::Model;
 use residual::{NormalEquations, Observed};
-use solver::Outcome;
 
 /// What to fit with.
-#[derive(Debug, Clone, Copy)]
-pub struct Settings {
+#[derive(Clone, Copy)]
+pub struct Settings<'a> {
     /// The spread model.
     pub model: Model,
     /// The optimiser.
     pub method: Method,
     /// Iterations after which a fit is given up.
     pub max_iterations: u64,
+    /// Called after every render.
+    pub progress: &'a dyn Fn(),
 }
 
-impl Default for Settings {
+impl Default for Settings<'_> {
     fn default() -> Self {
-        Self { model: Model::SmallAngle, method: Method::LevenbergMarquardt, max_iterations: 60 }
+        Self {
+            model: Model::SmallAngle,
+            method: Method::LevenbergMarquardt,
+            max_iterations: 60,
+            progress: &|| (),
+        }
     }
 }
 
@@ -73,76 +81,72 @@ pub struct ChannelFit {
     pub evaluations: u64,
     /// Real 2-D FFTs of one evaluation with derivatives, over all scenes.
     pub transforms: usize,
+    /// Whether some scene's gain was free.
+    pub free_gain: bool,
+    /// Each scene's best fit, gain · object light + veil, over its view: to compare with the observation.
+    pub renders: Vec<Image>,
 }
 
 /// How much wider than at the start the kernels may become before a fit is planned anew.
 pub const HEADROOM: f64 = 1.4;
+/// Relative change of the estimated noise below which the scenes' weights are settled.
+const NOISE_SETTLED: f64 = 0.02;
 /// Times a fit is planned anew, or the noise estimated anew, at most.
 const MOST_ROUNDS: usize = 6;
 
 /// Fits one channel's medium to `data`; all scenes share it.
 ///
 /// # Errors
-/// [`Error::NothingToFit`] if no pixel counts or the objects cannot show any blur, [`Error::OutOfRange`] for
-/// contradictory options, [`Error::NotFinite`] if a render is not finite.
+/// [`Error::NothingToFit`] if no pixel counts or every parameter is fixed, [`Error::OutOfRange`] for contradictory
+/// options, [`Error::NotFinite`] if a render is not finite.
 pub fn fit_channel(data: &[Datum], options: &FitOptions, settings: &Settings) -> Result<ChannelFit> {
     let mut observed = data.iter().map(Observed::new).collect::<Result<Vec<_>>>()?;
     let median_z = median_path_length(data);
     let mut parameters = Parameters::new(options, settings.model, median_z)?;
-    let mut evaluations =
-        start::choose(&mut parameters, options, data, &mut observed, settings.model, median_z)?;
+    let mut evaluations = start::choose(&mut parameters, options, data, &observed, settings, median_z)?;
     let start = parameters.values();
     let unknown_noise = data.iter().any(|d| d.noise.is_none());
     let mut iterations = 0;
-    for round in 1.. {
+    let mut round = 0;
+    loop {
+        round += 1;
         let filters = plan(data, &parameters, settings.model)?;
-        let problem = Problem {
-            filters: &filters,
-            observed: &observed,
-            parameters: &parameters,
-            model: settings.model,
-        };
-        let outcome = solver::run(problem, settings.method, settings.max_iterations)?;
-        let Outcome { point, equations, converged, stop, .. } = outcome;
+        let outcome = solver::run(Problem::new(&filters, &observed, &parameters, settings), settings)?;
         iterations += outcome.iterations;
         evaluations += outcome.evaluations;
-        parameters.set_internal(&point);
-        let estimated =
-            if unknown_noise { residual::estimate_noise(&mut observed, data, &equations) } else { 0.0 };
-        // Only the ratio of the scenes' weights moves the optimum.
-        let settled = data.len() == 1 || estimated < 0.02;
+        parameters.set_internal(&outcome.point);
+        // Only the ratio of the scenes' weights moves the optimum, so one scene is settled whatever its noise.
+        let change = residual::estimate_noise(&mut observed, data, &outcome.equations);
+        let settled = data.len() == 1 || change < NOISE_SETTLED;
         let served = with_optics(&parameters, settings.model, |optics| {
             filters.iter().map(|f| f.serves(optics)).collect::<Result<Vec<_>>>()
         })?;
-        if (settled && served.iter().all(|s| *s)) || round == MOST_ROUNDS || !converged {
-            let problem = Problem {
-                filters: &filters,
-                observed: &observed,
-                parameters: &parameters,
-                model: settings.model,
-            };
-            let last = if unknown_noise { problem.equations(&point)? } else { equations };
+        if (settled && served.iter().all(|s| *s)) || round == MOST_ROUNDS || !outcome.converged {
+            let problem = Problem::new(&filters, &observed, &parameters, settings);
+            let last = if unknown_noise { problem.equations(&outcome.point)? } else { outcome.equations };
             let fitted = parameters.free_count() + data.iter().map(Datum::free_exposure).sum::<usize>();
             let pixels = observed.iter().map(Observed::pixels).sum::<usize>();
             let uncertainty = Uncertainty::new(&last, &parameters, median_z);
+            let exposures = last.exposures(&observed, &uncertainty);
             return Ok(ChannelFit {
                 start,
-                uncertainty: uncertainty.clone(),
-                exposures: last.exposures(&observed, &uncertainty),
+                renders: problem.exposed_renders(&exposures, data)?,
+                exposures,
+                uncertainty,
                 cost: last.cost,
                 reduced_chi2: 2.0 * last.cost / pixels.saturating_sub(fitted).max(1) as f64,
                 pixels,
                 median_z,
-                converged,
-                stop,
+                converged: outcome.converged,
+                stop: outcome.stop,
                 iterations,
                 evaluations,
                 transforms: filters.iter().map(|f| f.transforms().1).sum(),
+                free_gain: data.iter().any(|d| d.gain == Gain::Free),
                 parameters,
             });
         }
     }
-    unreachable!("the last round returns")
 }
 
 /// The optimisation problem handed to a solver: parameters in, normal equations out.
@@ -150,10 +154,19 @@ pub(crate) struct Problem<'a> {
     filters: &'a [CpuFilter<'a>],
     observed: &'a [Observed<'a>],
     parameters: &'a Parameters,
-    model: Model,
+    settings: &'a Settings<'a>,
 }
 
-impl Problem<'_> {
+impl<'a> Problem<'a> {
+    fn new(
+        filters: &'a [CpuFilter<'a>],
+        observed: &'a [Observed<'a>],
+        parameters: &'a Parameters,
+        settings: &'a Settings<'a>,
+    ) -> Self {
+        Self { filters, observed, parameters, settings }
+    }
+
     pub(crate) fn parameters(&self) -> &Parameters {
         self.parameters
     }
@@ -162,10 +175,11 @@ impl Problem<'_> {
     pub(crate) fn equations(&self, u: &[f64; 3]) -> Result<NormalEquations> {
         let scale = self.parameters.chain(u);
         let parameters = self.parameters.at(u);
-        with_optics(&parameters, self.model, |optics| {
+        with_optics(&parameters, self.settings.model, |optics| {
             let mut sum = NormalEquations::default();
             for (filter, observed) in self.filters.iter().zip(self.observed) {
                 sum.add(observed.compare(&filter.render_with_gradient(optics)?, scale));
+                (self.settings.progress)();
             }
             finite(sum, &parameters)
         })
@@ -174,12 +188,23 @@ impl Problem<'_> {
     /// Cost alone at the internal point `u`.
     pub(crate) fn cost(&self, u: &[f64; 3]) -> Result<f64> {
         let parameters = self.parameters.at(u);
-        with_optics(&parameters, self.model, |optics| {
+        with_optics(&parameters, self.settings.model, |optics| {
             let mut cost = 0.0;
             for (filter, observed) in self.filters.iter().zip(self.observed) {
                 cost += observed.cost(&filter.render(optics)?);
+                (self.settings.progress)();
             }
             Ok(cost)
+        })
+    }
+
+    /// Every scene rendered at the parameters, exposed and veiled as it was observed.
+    fn exposed_renders(&self, exposures: &[Exposure], data: &[Datum]) -> Result<Vec<Image>> {
+        with_optics(self.parameters, self.settings.model, |optics| {
+            let scenes = self.filters.iter().zip(exposures).zip(data);
+            scenes
+                .map(|((filter, exposure), datum)| Ok(exposure.apply(filter.render(optics)?, datum.veil)))
+                .collect()
         })
     }
 }
@@ -210,8 +235,20 @@ fn plan<'a>(data: &[Datum<'a>], parameters: &Parameters, model: Model) -> Result
     })
 }
 
+/// Median over the pixels of all scenes; a flat scene counts as many times as it has pixels.
 fn median_path_length(data: &[Datum]) -> f64 {
-    let mut all: Vec<f64> = data.iter().flat_map(|d| d.target.geometry.sorted_path_lengths()).collect();
-    all.sort_by(f64::total_cmp);
-    all[all.len() / 2]
+    let mut weighted: Vec<(f64, usize)> = Vec::new();
+    for geometry in data.iter().map(|d| d.target.geometry) {
+        let lengths = geometry.path_lengths();
+        let weight = if lengths.len() == 1 { geometry.width * geometry.height } else { 1 };
+        weighted.extend(lengths.into_iter().map(|z| (z, weight)));
+    }
+    weighted.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let half = weighted.iter().map(|(_, weight)| weight).sum::<usize>() / 2;
+    let mut passed = 0;
+    let reached = |&&(_, weight): &&(f64, usize)| {
+        passed += weight;
+        passed > half
+    };
+    weighted.iter().find(reached).expect("checked: every scene shows an object").0
 }

@@ -21,6 +21,8 @@ pub type Bounds = [f64; 2];
 pub struct Parameters {
     values: [f64; 3],
     fixed: [bool; 3],
+    /// B of a model that has no width: a value that means nothing.
+    unused_b: bool,
     bounds: [Bounds; 3],
 }
 
@@ -54,14 +56,12 @@ impl Parameters {
                 values[i] = in_range(&name, start, (low..=high).contains(&start), "within its bounds")?;
             }
         }
-        if !model.spreads() && !fixed[2] {
-            // A kernel without width: B is not a parameter of this model.
-            fixed[2] = true;
-        }
+        let unused_b = !model.spreads() && !fixed[2];
+        fixed[2] |= unused_b;
         if fixed.iter().all(|f| *f) {
             return Err(Error::NothingToFit("[fit] fixed: every parameter is fixed".into()));
         }
-        Ok(Self { values, fixed, bounds })
+        Ok(Self { values, fixed, unused_b, bounds })
     }
 
     /// sigma_s, sigma_a, B.
@@ -72,6 +72,11 @@ impl Parameters {
     /// Whether parameter `i` is held.
     pub fn is_fixed(&self, i: usize) -> bool {
         self.fixed[i]
+    }
+
+    /// Whether parameter `i` is none of the model's and was not given either.
+    pub fn is_placeholder(&self, i: usize) -> bool {
+        i == 2 && self.unused_b
     }
 
     /// Number of free parameters.

@@ -11,6 +11,7 @@ use crate::filter::cpu::Rendering;
 use crate::image::Image;
 use crate::scene::Gain;
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
+use rayon::prelude::*;
 
 /// The veil of one channel, in units of the observation.
 #[derive(Debug, Clone, Copy)]
@@ -66,6 +67,18 @@ pub struct Exposure {
     pub pixels: usize,
 }
 
+impl Exposure {
+    /// The image as observed: gain · `image` + veil.
+    pub(super) fn apply(&self, mut image: Image, veil: VeilTerm) -> Image {
+        let (gain, constant) = (self.gain as f32, self.veil as f32);
+        for (i, v) in image.data.iter_mut().enumerate() {
+            let veil = if let VeilTerm::Image(veil) = veil { veil.data[i] } else { constant };
+            *v = gain * *v + veil;
+        }
+        image
+    }
+}
+
 /// A datum with its pixels gathered: values of those that count, known veil taken off.
 pub(super) struct Observed<'a> {
     datum: Datum<'a>,
@@ -90,6 +103,9 @@ struct Linear {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct NormalEquations {
     pub cost: f64,
+    /// Pixels, and the observation's sum of squares over noise²: what a change of cost is measured against.
+    pub pixels: usize,
+    pub signal: f64,
     pub gradient: Vector3<f64>,
     /// With gain and veil eliminated.
     pub matrix: Matrix3<f64>,
@@ -161,23 +177,20 @@ impl<'a> Observed<'a> {
         let gradient = rendering.gradient.as_ref().expect("rendered with derivatives");
         let (exposure, inverse) = self.expose(image);
         let scale = Vector3::from(chain) * exposure[0];
-        let (mut rr, mut jr, mut jj) = (0.0, Vector3::zeros(), Matrix3::zeros());
-        let mut lj = Matrix2x3::zeros();
-        for &(i, y) in &self.pixels {
-            let i = i as usize;
-            let m = f64::from(image.data[i]);
-            let r = exposure[0] * m + exposure[1] - f64::from(y);
-            let j = Vector3::from_fn(|c, _| f64::from(gradient[c].data[i])).component_mul(&scale);
-            rr += r * r;
-            jr += j * r;
-            jj.ger(1.0, &j, &j, 1.0);
-            lj.ger(1.0, &Vector2::new(m, 1.0), &j, 1.0);
-        }
+        let Sums { rr, yy, jr, jj, lj } = self
+            .pixels
+            .par_chunks(CHUNK)
+            .map(|pixels| Sums::over(pixels, image, gradient, (exposure, scale)))
+            .collect::<Vec<_>>()
+            .into_iter()
+            .fold(Sums::default(), Sums::plus);
         let w = 1.0 / (self.noise * self.noise);
         let coupling = -inverse * lj * w;
         // The residual is already orthogonal to free gain and veil, so the gradient needs no correction.
         NormalEquations {
             cost: 0.5 * rr * w,
+            pixels: self.pixels.len(),
+            signal: yy * w,
             gradient: jr * w,
             matrix: jj * w - lj.transpose() * inverse * lj * (w * w),
             diagonal: jj.diagonal() * w,
@@ -186,9 +199,67 @@ impl<'a> Observed<'a> {
     }
 }
 
+/// A decrease of chi² by this times its expectation a pixel moves the estimate by a hundredth of a standard error.
+const SETTLED: f64 = 1e-4;
+/// Renders are f32: what is below (1e-7)² of the signal is rounding.
+const ROUNDING: f64 = 1e-14;
+
+/// Pixels summed together; the chunks are added in order, so that the result does not depend on the threads.
+const CHUNK: usize = 8192;
+
+/// Sums over pixels of products of residual r, observation y, derivatives j and the linear terms (image, 1).
+#[derive(Default)]
+struct Sums {
+    rr: f64,
+    yy: f64,
+    jr: Vector3<f64>,
+    jj: Matrix3<f64>,
+    lj: Matrix2x3<f64>,
+}
+
+impl Sums {
+    fn over(
+        pixels: &[(u32, f32)],
+        image: &Image,
+        gradient: &[Image; 3],
+        (exposure, scale): (Vector2<f64>, Vector3<f64>),
+    ) -> Self {
+        let mut sums = Self::default();
+        for &(i, y) in pixels {
+            let (i, y) = (i as usize, f64::from(y));
+            let m = f64::from(image.data[i]);
+            let r = exposure[0] * m + exposure[1] - y;
+            let j = Vector3::from_fn(|c, _| f64::from(gradient[c].data[i])).component_mul(&scale);
+            sums.rr += r * r;
+            sums.yy += y * y;
+            sums.jr += j * r;
+            sums.jj += j * j.transpose();
+            sums.lj += Vector2::new(m, 1.0) * j.transpose();
+        }
+        sums
+    }
+
+    fn plus(self, other: Self) -> Self {
+        Self {
+            rr: self.rr + other.rr,
+            yy: self.yy + other.yy,
+            jr: self.jr + other.jr,
+            jj: self.jj + other.jj,
+            lj: self.lj + other.lj,
+        }
+    }
+}
+
 impl NormalEquations {
+    /// The decrease of the cost that no longer matters.
+    pub(super) fn negligible(&self) -> f64 {
+        SETTLED * self.cost / self.pixels as f64 + ROUNDING * self.signal
+    }
+
     pub(super) fn add(&mut self, other: NormalEquations) {
         self.cost += other.cost;
+        self.pixels += other.pixels;
+        self.signal += other.signal;
         self.gradient += other.gradient;
         self.matrix += other.matrix;
         self.diagonal += other.diagonal;

@@ -1,9 +1,9 @@
 //! The optimisers, as argmin solvers: Levenberg-Marquardt within bounds (argmin has none) and argmin's Nelder-Mead.
 //! The only file that mentions argmin.
 
-use super::Problem;
 use super::parameters::Bounds;
 use super::residual::NormalEquations;
+use super::{Problem, Settings};
 use crate::error::{Error, Result};
 use argmin::core::{
     CostFunction, Executor, IterState, KV, Operator, Problem as Counted, Solver, State, TerminationReason,
@@ -49,10 +49,10 @@ pub(super) struct Outcome {
 }
 
 /// Minimises `problem` from its parameters' values.
-pub(super) fn run(problem: Problem, method: Method, max_iterations: u64) -> Result<Outcome> {
-    match method {
-        Method::LevenbergMarquardt => run_levenberg_marquardt(problem, max_iterations),
-        Method::NelderMead => run_nelder_mead(problem, max_iterations),
+pub(super) fn run(problem: Problem, settings: &Settings) -> Result<Outcome> {
+    match settings.method {
+        Method::LevenbergMarquardt => run_levenberg_marquardt(problem, settings.max_iterations),
+        Method::NelderMead => run_nelder_mead(problem, settings.max_iterations),
     }
 }
 
@@ -70,9 +70,6 @@ impl Operator for Problem<'_> {
     }
 }
 
-/// Relative decrease of the cost, predicted by the quadratic model, at which a fit has converged: with 10^5 pixels
-/// a thousandth of a standard error.
-const CONVERGED: f64 = 1e-11;
 /// Damping at the start, relative to the matrix' diagonal, and beyond which no step can help.
 const FIRST_DAMPING: f64 = 1e-3;
 const LAST_DAMPING: f64 = 1e12;
@@ -169,7 +166,7 @@ impl<'a> Solver<Problem<'a>, Iteration> for LevenbergMarquardt {
         while self.damping < LAST_DAMPING {
             let step = self.step(&u);
             let predicted = -self.current.gradient.dot(&step) - 0.5 * (self.current.matrix * step).dot(&step);
-            if predicted <= CONVERGED * self.current.cost {
+            if predicted <= self.current.negligible() {
                 self.stop(TerminationReason::SolverConverged);
                 break;
             }

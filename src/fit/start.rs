@@ -6,12 +6,11 @@
 //! itself: in thick media the blurred light is taken for direct light, so larger depths are tried too.
 
 use super::residual::{Datum, Observed, VeilTerm};
-use super::{Parameters, with_optics};
+use super::{Parameters, Settings, with_optics};
 use crate::error::Result;
 use crate::filter::cpu::CpuFilter;
 use crate::filter::slices::Slices;
 use crate::scene::{FitOptions, Gain};
-use crate::spread::Model;
 
 /// Blur widths tried, as shares of the view's smaller side.
 const WIDTHS: [f64; 5] = [0.01, 0.025, 0.06, 0.14, 0.3];
@@ -27,14 +26,15 @@ pub(super) fn choose(
     parameters: &mut Parameters,
     options: &FitOptions,
     data: &[Datum],
-    observed: &mut [Observed],
-    model: Model,
+    observed: &[Observed],
+    settings: &Settings,
     median_z: f64,
 ) -> Result<u64> {
     let splits: Vec<Split> = data.iter().map(|d| Split::of(d, median_z)).collect();
     let mean = |f: fn(&Split) -> f64| splits.iter().map(f).sum::<f64>() / splits.len() as f64;
     let (sigma_s, sigma_a) = (mean(|s| s.sigma_s), mean(|s| s.sigma_a));
     let open: [bool; 3] = std::array::from_fn(|i| options.start[i].is_none() && !parameters.is_fixed(i));
+    let model = settings.model;
     let (scan_depth, scan_width) = (open[0] && model.spreads(), open[2]);
     for (i, value) in [(0, sigma_s), (1, sigma_a)] {
         if open[i] {
@@ -63,9 +63,10 @@ pub(super) fn choose(
             trial.set(0, first.values()[0] * depth);
             trial.set(2, b);
             let mut cost = 0.0;
-            for (filter, observed) in filters.iter().zip(observed.iter()) {
+            for (filter, observed) in filters.iter().zip(observed) {
                 cost += observed.cost(&with_optics(&trial, model, |optics| filter.render(optics))?);
                 renders += 1;
+                (settings.progress)();
             }
             if cost < best {
                 best = cost;

@@ -89,7 +89,7 @@ pub trait SpreadKernel: Send + Sync {
         radius
     }
 
-    /// The length on which the kernel varies, z sqrt(B) for small angles; 0 if nothing is scattered.
+    /// The length on which the kernel varies: z sqrt(B) where light is scattered once; 0 for a kernel without spread.
     fn width(&self) -> f64;
 }
 

@@ -170,8 +170,12 @@ impl SpreadKernel for MomentMatched {
         self.phi * self.profile.encircled(r, self.radius.value)
     }
 
+    /// beta/2 or sqrt(m)/2: where the argument of the transform is 1.
     fn width(&self) -> f64 {
-        self.z * self.b.sqrt()
+        match self.profile {
+            Profile::Gaussian => 0.5 * self.radius.value.sqrt(),
+            Profile::Erfc => 0.5 * (3.0 * self.radius.value).sqrt(),
+        }
     }
 }
 

@@ -1,0 +1,11 @@
+#!/usr/bin/env bash
+# Set up whatever the tests need and run them all: the test command of a fresh machine with Rust.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+# One test makes a Mitsuba image afresh: its Python environment, once.
+scripts/mitsuba_env.sh >/dev/null
+
+cargo test --release --locked --all-targets
+# Benches are built by --all-targets but not run; documentation examples are run apart.
+cargo test --release --locked --doc

@@ -1,0 +1,94 @@
+//! Fitting scene files: one fit a channel, over all scenes.
+
+use super::report::FitReport;
+use super::{ChannelFit, Datum, Settings, VeilTerm, fit_channel};
+use crate::error::{Error, Result};
+use crate::filter::{Filter, Target};
+use crate::image::{Channel, Image};
+use crate::scene::{Scene, Veil};
+use std::time::Instant;
+
+/// The fits of all channels, the images that they leave, and the report.
+#[derive(Debug, Clone)]
+pub struct SceneFit {
+    /// Name and fit of each channel.
+    pub channels: Vec<(String, ChannelFit)>,
+    /// The report for users.
+    pub report: FitReport,
+}
+
+impl SceneFit {
+    /// Best fit of scene `scene`, in units of its observation.
+    pub fn render(&self, scene: usize) -> Vec<Channel> {
+        let channel = |(name, fit): &(String, ChannelFit)| Channel {
+            name: name.clone(),
+            image: fit.renders[scene].clone(),
+        };
+        self.channels.iter().map(channel).collect()
+    }
+
+    /// Observation minus best fit of scene `scene`.
+    pub fn residual(&self, scene: usize, observed: &[Channel]) -> Vec<Channel> {
+        let subtract = |(render, observed): (Channel, &Channel)| {
+            let pairs = observed.image.data.iter().zip(&render.image.data);
+            let data = pairs.map(|(o, r)| o - r).collect();
+            Channel { name: render.name, image: Image { data, ..observed.image.clone() } }
+        };
+        self.render(scene).into_iter().zip(observed).map(subtract).collect()
+    }
+}
+
+/// Fits `scenes`, read for [`Purpose::Fit`](crate::scene::Purpose::Fit), which share one medium a channel. Options
+/// of `[fit]` are the first scene's.
+///
+/// # Errors
+/// [`Error::Scene`] if the scenes have different channels or no observation; as [`fit_channel`] otherwise.
+pub fn fit_scenes(scenes: &[Scene], settings: &Settings, filter: Filter) -> Result<SceneFit> {
+    let clock = Instant::now();
+    let first = &scenes[0];
+    let names = |scene: &Scene| scene.object.iter().map(|c| c.name.clone()).collect::<Vec<_>>();
+    for scene in scenes {
+        let wrong = if scene.observation.is_none() {
+            "[observation] is missing".to_string()
+        } else if names(scene) != names(first) {
+            format!(
+                "its channels {:?} are not those of {}: {:?}",
+                names(scene),
+                first.path.display(),
+                names(first)
+            )
+        } else {
+            continue;
+        };
+        return Err(Error::Scene { path: scene.path.clone(), message: wrong });
+    }
+    let mut channels = Vec::new();
+    for (i, name) in names(first).into_iter().enumerate() {
+        let data: Vec<Datum> = scenes.iter().map(|scene| datum(scene, i)).collect();
+        channels.push((name, fit_channel(&data, &first.fit[i], settings)?));
+    }
+    let report = FitReport::new(&channels, settings, filter, clock.elapsed().as_secs_f64());
+    Ok(SceneFit { channels, report })
+}
+
+/// Channel `i` of an observed scene.
+fn datum(scene: &Scene, i: usize) -> Datum<'_> {
+    let observation = scene.observation.as_ref().expect("checked by the caller");
+    Datum {
+        target: Target {
+            radiance: &scene.object[i].image,
+            geometry: &scene.geometry,
+            border: scene.border,
+            view: scene.view,
+        },
+        observed: &observation.image[i].image,
+        mask: observation.mask.as_ref(),
+        noise: observation.noise,
+        gain: observation.gain,
+        veil: match &observation.veil {
+            Veil::Fixed(v) => VeilTerm::Fixed(*v),
+            Veil::Image(channels) => VeilTerm::Image(&channels[i].image),
+            Veil::Free => VeilTerm::Free,
+        },
+    }
+}

@@ -1,0 +1,6 @@
+//! The program as its users run it: exit codes, files, messages.
+
+mod bad_input;
+mod fit;
+mod render;
+mod workshop;
