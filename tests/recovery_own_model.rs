@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{sloping, texture};
+use common::{sloping, texture, with_noise};
 use narrowbeam::filter::{Optics, Target, per_depth};
 use narrowbeam::fit::{ChannelFit, Datum, Method, Settings, Status, VeilTerm, fit_channel};
 use narrowbeam::geometry::Geometry;
@@ -11,16 +11,6 @@ use narrowbeam::medium::Medium;
 use narrowbeam::phase::Gaussian;
 use narrowbeam::scene::{FitOptions, Gain};
 use narrowbeam::spread::Model;
-use rand_core::Rng;
-use rand_xoshiro::{Xoshiro256PlusPlus, rand_core::SeedableRng};
-
-/// Adds normal noise (Box-Muller) of standard deviation `noise`.
-fn with_noise(image: &Image, noise: f64, seed: u64) -> Image {
-    let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
-    let mut uniform = || ((rng.next_u64() >> 11) as f64 + 0.5) / (1u64 << 53) as f64;
-    let mut normal = || (-2.0 * uniform().ln()).sqrt() * (std::f64::consts::TAU * uniform()).cos();
-    Image { data: image.data.iter().map(|v| v + (noise * normal()) as f32).collect(), ..image.clone() }
-}
 
 struct Made {
     object: Image,

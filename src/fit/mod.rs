@@ -88,7 +88,7 @@ pub struct ChannelFit {
 }
 
 /// How much wider than at the start the kernels may become before a fit is planned anew.
-const HEADROOM: f64 = 1.4;
+pub const HEADROOM: f64 = 1.4;
 /// Relative change of the estimated noise below which the scenes' weights are settled.
 const NOISE_SETTLED: f64 = 0.02;
 /// Times a fit is planned anew, or the noise estimated anew, at most.

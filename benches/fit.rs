@@ -1,0 +1,119 @@
+//! What a fit costs: one channel of a plane, start values and noise unknown, on an image made by the model with noise.
+//!
+//! The floor is the time of the FFTs alone, those of the renders that choose the start and those of the optimiser's
+//! evaluations. Reading files and writing results are not part of this.
+
+mod common;
+#[path = "../tests/common/mod.rs"]
+mod scenes;
+
+use common::{best_of, fft_seconds};
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use narrowbeam::filter::cpu::CpuFilter;
+use narrowbeam::filter::slices::Slices;
+use narrowbeam::filter::{Optics, Target};
+use narrowbeam::fit::{ChannelFit, Datum, HEADROOM, Settings, VeilTerm, fit_channel};
+use narrowbeam::geometry::Geometry;
+use narrowbeam::image::{Border, Image, View};
+use narrowbeam::medium::Medium;
+use narrowbeam::phase::{Gaussian, b_of_spread_angle};
+use narrowbeam::scene::{FitOptions, Gain};
+use narrowbeam::spread::Model;
+use std::hint::black_box;
+use std::time::Duration;
+
+const SIGMA_S: f64 = 0.95;
+const SIGMA_A: f64 = 0.05;
+const SPREAD_ANGLE_DEG: f64 = 8.0;
+const DEPTH: f64 = 2.0;
+const PIXEL_PITCH: f64 = 0.02;
+const NOISE: f64 = 0.01;
+
+/// Padding of the filters that choose the start, in image sides, and their slices (there is one depth).
+const START_PADDING: f64 = 0.5;
+
+fn observed(target: Target) -> Image {
+    let phase = Gaussian::new(b_of_spread_angle(SPREAD_ANGLE_DEG.to_radians())).unwrap();
+    let medium = Medium::new(SIGMA_S, SIGMA_A).unwrap();
+    let optics = Optics { model: Model::SmallAngle, medium, phase: &phase };
+    let clean = CpuFilter::new(target, &optics, 1.0).unwrap().render(&optics).unwrap();
+    scenes::with_noise(&clean, NOISE, 1)
+}
+
+fn fit(c: &mut Criterion) {
+    let mut floors = Vec::new();
+    for n in [256, 512] {
+        let radiance = scenes::texture(n, n);
+        let geometry = Geometry::planar(n, n, PIXEL_PITCH, DEPTH).unwrap();
+        let view = View::whole(n, n);
+        let target = Target { radiance: &radiance, geometry: &geometry, border: Border::Zero, view };
+        let observed = observed(target);
+        let datum = Datum {
+            target,
+            observed: &observed,
+            mask: None,
+            noise: None,
+            gain: Gain::Fixed(1.0),
+            veil: VeilTerm::Fixed(0.0),
+        };
+        let fit = |options: &FitOptions| fit_channel(&[datum], options, &Settings::default()).unwrap();
+        let mut group = c.benchmark_group("fit of a plane");
+        group.sample_size(10).throughput(Throughput::Elements((n * n) as u64));
+        group.bench_function(format!("{n} x {n}"), |b| b.iter(|| fit(&FitOptions::default())));
+        group.finish();
+        floors.push(floor(target, fit));
+    }
+    floors.iter().for_each(|text| println!("{text}"));
+}
+
+/// The FFTs of a fit, their time alone, and the gap to the whole.
+fn floor(target: Target, fit: impl Fn(&FitOptions) -> ChannelFit) -> String {
+    let found = fit(&FitOptions::default());
+    // From the same start the optimiser takes the same path, without the renders that choose it.
+    let started = fit(&FitOptions { start: found.start.map(Some), ..FitOptions::default() });
+    let starts = found.evaluations - started.evaluations;
+
+    let side = target.radiance.width;
+    let start_filter = CpuFilter::with_slices(target, Slices::new(&target, 1), START_PADDING * side as f64);
+    let [sigma_s, sigma_a, b] = found.start;
+    let phase = Gaussian::new(b).unwrap();
+    let medium = Medium::new(sigma_s, sigma_a).unwrap();
+    let optics = Optics { model: Model::SmallAngle, medium, phase: &phase };
+    let filter = CpuFilter::new(target, &optics, HEADROOM).unwrap();
+    let (per_start, _, start_size) = start_filter.transforms();
+    let (_, _, size) = filter.transforms();
+
+    // Each filter also transforms the object once.
+    let start_ffts = starts as usize * per_start + 1;
+    let ffts = started.evaluations as usize * started.transforms + 1;
+    let start_seconds = start_ffts as f64 * fft_seconds(start_size);
+    let seconds = ffts as f64 * fft_seconds(size);
+    let whole = best_of(5, || {
+        black_box(fit(&FitOptions::default()));
+    });
+    let floor = start_seconds + seconds;
+    format!(
+        "{side} x {side}: {starts} renders for the start, {} evaluations with {} FFTs each\n  \
+         floor: {start_ffts} FFTs of {}x{} = {:.1} ms, {ffts} FFTs of {}x{} = {:.1} ms, together {:.1} ms\n  \
+         measured {:.1} ms, {:.1} x; the gap of {:.1} ms is transfer functions, normal equations, and memory",
+        started.evaluations,
+        started.transforms,
+        start_size[0],
+        start_size[1],
+        1e3 * start_seconds,
+        size[0],
+        size[1],
+        1e3 * seconds,
+        1e3 * floor,
+        1e3 * whole,
+        whole / floor,
+        1e3 * (whole - floor)
+    )
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default().warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(2));
+    targets = fit
+}
+criterion_main!(benches);
