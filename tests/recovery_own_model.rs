@@ -11,6 +11,8 @@ use narrowbeam::medium::Medium;
 use narrowbeam::phase::Gaussian;
 use narrowbeam::scene::{FitOptions, Gain};
 use narrowbeam::spread::Model;
+use rand_core::Rng;
+use rand_xoshiro::{Xoshiro256PlusPlus, rand_core::SeedableRng};
 
 struct Made {
     object: Image,
@@ -83,10 +85,10 @@ fn without_noise_the_parameters_come_back_over_a_grid_of_media() {
             }
         }
     }
-    // Renders are good to 1e-5 of the light (padding); sigma_s and B trade against each other at tau 6, where
-    // that is amplified some hundredfold.
+    // The second rung and the fast one differ by up to 1e-6 here; sigma_s and B trade against each other at tau 6,
+    // where that is amplified some hundredfold.
     println!("worst {worst:.1e}");
-    assert!(worst < 5e-3);
+    assert!(worst < 1e-4);
 }
 
 #[test]

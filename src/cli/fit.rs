@@ -5,7 +5,7 @@ use super::options::{Backend, parse_backend, parse_model, provenance};
 use super::progress::Progress;
 use crate::filter::Filter;
 use crate::fit::report::FitReport;
-use crate::fit::scenes::{SceneFit, fit_scenes};
+use crate::fit::scenes::{SceneFit, check_scenes, fit_scenes};
 use crate::fit::{Method, Settings};
 use crate::io::colour::{Tone, residual_scale};
 use crate::io::{atomic, exr, png};
@@ -53,7 +53,6 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
         .iter()
         .map(|path| Scene::read(path, Purpose::Fit))
         .collect::<crate::Result<Vec<_>>>()?;
-    atomic::create_dir(&arguments.out)?;
     let renders = TYPICAL_RENDERS * (scenes.len() * scenes[0].object.len()) as u64;
     let progress = Progress::new("fitting", "renders", renders);
     let settings = Settings {
@@ -62,6 +61,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
         max_iterations: arguments.max_iterations,
         progress: &|| progress.add(1),
     };
+    check_scenes(&scenes, &settings)?;
+    atomic::create_dir(&arguments.out)?;
     let mut fit = fit_scenes(&scenes, &settings, arguments.filter)?;
     drop(progress);
     fit.report.command = provenance().into_iter().find(|(key, _)| key == "command").map(|(_, value)| value);

@@ -21,6 +21,7 @@ pub use uncertainty::{Status, Uncertainty};
 use crate::error::{Error, Result};
 use crate::filter::Optics;
 use crate::filter::cpu::CpuFilter;
+use crate::geometry::Geometry;
 use crate::image::Image;
 use crate::medium::Medium;
 use crate::phase::Gaussian;
@@ -101,7 +102,8 @@ const MOST_ROUNDS: usize = 6;
 /// options, [`Error::NotFinite`] if a render is not finite.
 pub fn fit_channel(data: &[Datum], options: &FitOptions, settings: &Settings) -> Result<ChannelFit> {
     let mut observed = data.iter().map(Observed::new).collect::<Result<Vec<_>>>()?;
-    let median_z = median_path_length(data);
+    let scenes: Vec<&Geometry> = data.iter().map(|d| d.target.geometry).collect();
+    let median_z = median_path_length(&scenes);
     let mut parameters = Parameters::new(options, settings.model, median_z)?;
     let mut evaluations = start::choose(&mut parameters, options, data, &observed, settings, median_z)?;
     let start = parameters.values();
@@ -115,8 +117,18 @@ pub fn fit_channel(data: &[Datum], options: &FitOptions, settings: &Settings) ->
         iterations += outcome.iterations;
         evaluations += outcome.evaluations;
         parameters.set_internal(&outcome.point);
+        let exposures = outcome.equations.exposures(&observed, None);
+        let renders =
+            Problem::new(&filters, &observed, &parameters, settings).exposed_renders(&exposures, data)?;
         // Only the ratio of the scenes' weights moves the optimum, so one scene is settled whatever its noise.
-        let change = residual::estimate_noise(&mut observed, data, &outcome.equations);
+        let mut change: f64 = 0.0;
+        for ((o, datum), render) in observed.iter_mut().zip(data).zip(&renders) {
+            if datum.noise.is_none() {
+                let noise = o.fine_noise(render);
+                change = change.max((noise / o.noise - 1.0).abs());
+                o.noise = noise;
+            }
+        }
         let settled = data.len() == 1 || change < NOISE_SETTLED;
         let served = with_optics(&parameters, settings.model, |optics| {
             filters.iter().map(|f| f.serves(optics)).collect::<Result<Vec<_>>>()
@@ -126,15 +138,17 @@ pub fn fit_channel(data: &[Datum], options: &FitOptions, settings: &Settings) ->
             let last = if unknown_noise { problem.equations(&outcome.point)? } else { outcome.equations };
             let fitted = parameters.free_count() + data.iter().map(Datum::free_exposure).sum::<usize>();
             let pixels = observed.iter().map(Observed::pixels).sum::<usize>();
-            let uncertainty = Uncertainty::new(&last, &parameters, median_z);
-            let exposures = last.exposures(&observed, &uncertainty);
+            let reduced_chi2 = 2.0 * last.cost / pixels.saturating_sub(fitted).max(1) as f64;
+            // Where the noise was only estimated, a misfit counts as noise for the error bars.
+            let inflation = if unknown_noise { reduced_chi2.max(1.0) } else { 1.0 };
+            let uncertainty = Uncertainty::new(&last, &parameters, median_z, inflation);
             return Ok(ChannelFit {
                 start,
-                renders: problem.exposed_renders(&exposures, data)?,
-                exposures,
+                renders,
+                exposures: last.exposures(&observed, Some(&uncertainty)),
                 uncertainty,
                 cost: last.cost,
-                reduced_chi2: 2.0 * last.cost / pixels.saturating_sub(fitted).max(1) as f64,
+                reduced_chi2,
                 pixels,
                 median_z,
                 converged: outcome.converged,
@@ -236,9 +250,9 @@ fn plan<'a>(data: &[Datum<'a>], parameters: &Parameters, model: Model) -> Result
 }
 
 /// Median over the pixels of all scenes; a flat scene counts as many times as it has pixels.
-fn median_path_length(data: &[Datum]) -> f64 {
+fn median_path_length(scenes: &[&Geometry]) -> f64 {
     let mut weighted: Vec<(f64, usize)> = Vec::new();
-    for geometry in data.iter().map(|d| d.target.geometry) {
+    for geometry in scenes {
         let lengths = geometry.path_lengths();
         let weight = if lengths.len() == 1 { geometry.width * geometry.height } else { 1 };
         weighted.extend(lengths.into_iter().map(|z| (z, weight)));

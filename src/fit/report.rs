@@ -133,6 +133,9 @@ impl FitReport {
     }
 }
 
+/// Reduced chi² above which a fit is said not to describe the image: half as much misfit as noise.
+const MISFIT: f64 = 1.5;
+
 /// Five significant digits.
 fn significant(v: f64) -> String {
     if v == 0.0 {
@@ -231,6 +234,16 @@ fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warning> {
             format!("the data do not determine {}: {}", names.join(" and "), why(fit, &lost, model)),
         );
     }
+    if fit.reduced_chi2 > MISFIT {
+        warn(
+            "misfit",
+            format!(
+                "reduced chi²{suffix} is {:.2}: the image is not what {model} makes of this scene; the noise may be \
+                 more than stated, the geometry or the object wrong, or the scenes' media different",
+                fit.reduced_chi2
+            ),
+        );
+    }
     let on = fit.parameters.at_bound();
     let pressed: Vec<String> = on
         .iter()
@@ -250,8 +263,8 @@ fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warning> {
             "outside_validity",
             format!(
                 "tau·4B{suffix} = {validity:.3} is above {SMALL_ANGLE_LIMIT}: {model} rests on small angles, whose \
-                 transfer function is off by about {:.1} % here; the residual does not show it, sigma_a comes out \
-                 high and the intervals leave it out",
+                 transfer function is off by about {:.1} % here; the residual does not show it, and the intervals \
+                 leave it out",
                 19.0 * validity
             ),
         );

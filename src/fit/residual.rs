@@ -161,6 +161,35 @@ impl<'a> Observed<'a> {
         }
     }
 
+    /// Standard deviation of a pixel's noise, from the fine structure of the residual observation - `render` (already
+    /// exposed and veiled): the Laplacian of white noise has 20 times its variance, while a misfit, being blurred as
+    /// the object's light is, has little there. So a misfit shows in chi² and does not pass for noise.
+    pub(super) fn fine_noise(&self, render: &Image) -> f64 {
+        let (observed, width) = (self.datum.observed, self.datum.observed.width);
+        let residual = |i: usize| f64::from(observed.data[i]) - f64::from(render.data[i]);
+        let counts = |i: usize| self.datum.mask.is_none_or(|m| m.data[i] > 0.0);
+        let (mut sum, mut number) = (0.0, 0);
+        for y in 1..observed.height.saturating_sub(1) {
+            for i in y * width + 1..(y + 1) * width - 1 {
+                let around = [i - 1, i + 1, i - width, i + width];
+                if counts(i) && around.iter().all(|&n| counts(n)) {
+                    let laplacian = 4.0 * residual(i) - around.iter().map(|&n| residual(n)).sum::<f64>();
+                    sum += laplacian * laplacian;
+                    number += 1;
+                }
+            }
+        }
+        let all = self.pixels.iter().map(|&(i, _)| residual(i as usize).powi(2)).sum::<f64>();
+        let variance = if number >= FEWEST_LAPLACIANS {
+            sum / f64::from(20 * number)
+        } else {
+            all / self.pixels() as f64
+        };
+        let level =
+            self.pixels.iter().map(|&(_, y)| f64::from(y).powi(2)).sum::<f64>() / self.pixels() as f64;
+        variance.sqrt().max(RENDER_ERROR * level.sqrt()).max(f64::MIN_POSITIVE.sqrt())
+    }
+
     /// ½ chi² of a rendered image.
     pub(super) fn cost(&self, image: &Image) -> f64 {
         let (exposure, _) = self.expose(image);
@@ -212,6 +241,11 @@ impl<'a> Observed<'a> {
         }
     }
 }
+
+/// Relative error of a render: an observation without noise cannot be known better than that.
+const RENDER_ERROR: f64 = 1e-5;
+/// With fewer pixels whose neighbours all count, the noise is taken from the residuals themselves.
+const FEWEST_LAPLACIANS: i32 = 100;
 
 /// A decrease of chi² by this times its expectation a pixel moves the estimate by a hundredth of a standard error.
 const SETTLED: f64 = 1e-4;
@@ -284,10 +318,14 @@ impl NormalEquations {
         self.cost.is_finite() && self.gradient.iter().chain(self.matrix.iter()).all(|v| v.is_finite())
     }
 
-    /// Gain and veil of every scene with their errors.
-    pub(super) fn exposures(&self, observed: &[Observed], uncertainty: &Uncertainty) -> Vec<Exposure> {
+    /// Gain and veil of every scene, with their errors if the parameters' are given.
+    pub(super) fn exposures(
+        &self,
+        observed: &[Observed],
+        uncertainty: Option<&Uncertainty>,
+    ) -> Vec<Exposure> {
         let error = |l: &Linear, row: usize, free: bool| {
-            let shared = uncertainty.variance_of(&l.coupling.row(row).transpose())?;
+            let shared = uncertainty?.variance_of(&l.coupling.row(row).transpose())?;
             free.then(|| (l.inverse[(row, row)] + shared).sqrt())
         };
         let exposure = |(l, o): (&Linear, &Observed)| Exposure {
@@ -304,20 +342,4 @@ impl NormalEquations {
         };
         self.linear.iter().zip(observed).map(exposure).collect()
     }
-}
-
-/// Estimates from their residuals the noise of the scenes that do not give it; returns the largest relative change.
-pub(super) fn estimate_noise(observed: &mut [Observed], data: &[Datum], equations: &NormalEquations) -> f64 {
-    let mut change: f64 = 0.0;
-    for ((o, datum), linear) in observed.iter_mut().zip(data).zip(&equations.linear) {
-        if datum.noise.is_none() {
-            // Three shared parameters at most, plus the scene's own.
-            let freedom = o.pixels().saturating_sub(3 + datum.free_exposure()).max(1);
-            let noise =
-                (linear.chi2 * o.noise * o.noise / freedom as f64).sqrt().max(f64::MIN_POSITIVE.sqrt());
-            change = change.max((noise / o.noise - 1.0).abs());
-            o.noise = noise;
-        }
-    }
-    change
 }

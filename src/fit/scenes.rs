@@ -1,9 +1,10 @@
 //! Fitting scene files: one fit a channel, over all scenes.
 
 use super::report::FitReport;
-use super::{ChannelFit, Datum, Settings, VeilTerm, fit_channel};
+use super::{ChannelFit, Datum, Parameters, Settings, VeilTerm, fit_channel, median_path_length};
 use crate::error::{Error, Result};
 use crate::filter::{Filter, Target};
+use crate::geometry::Geometry;
 use crate::image::{Channel, Image};
 use crate::scene::{Scene, Veil};
 use std::time::Instant;
@@ -38,15 +39,13 @@ impl SceneFit {
     }
 }
 
-/// Fits `scenes`, read for [`Purpose::Fit`](crate::scene::Purpose::Fit), which share one medium a channel. Options
-/// of `[fit]` are the first scene's.
+/// Refuses scenes that cannot be fitted together with `settings`, before any work is done.
 ///
 /// # Errors
-/// [`Error::Scene`] if the scenes have different channels or no observation; as [`fit_channel`] otherwise.
-pub fn fit_scenes(scenes: &[Scene], settings: &Settings, filter: Filter) -> Result<SceneFit> {
-    let clock = Instant::now();
+/// [`Error::Scene`] if the scenes have different channels or no observation, [`Error::NothingToFit`] if every
+/// parameter is fixed, [`Error::OutOfRange`] for a start outside its bounds.
+pub fn check_scenes(scenes: &[Scene], settings: &Settings) -> Result<()> {
     let first = &scenes[0];
-    let names = |scene: &Scene| scene.object.iter().map(|c| c.name.clone()).collect::<Vec<_>>();
     for scene in scenes {
         let wrong = if scene.observation.is_none() {
             "[observation] is missing".to_string()
@@ -62,6 +61,26 @@ pub fn fit_scenes(scenes: &[Scene], settings: &Settings, filter: Filter) -> Resu
         };
         return Err(Error::Scene { path: scene.path.clone(), message: wrong });
     }
+    let depths: Vec<&Geometry> = scenes.iter().map(|s| &s.geometry).collect();
+    for options in &first.fit {
+        Parameters::new(options, settings.model, median_path_length(&depths))?;
+    }
+    Ok(())
+}
+
+fn names(scene: &Scene) -> Vec<String> {
+    scene.object.iter().map(|c| c.name.clone()).collect()
+}
+
+/// Fits `scenes`, read for [`Purpose::Fit`](crate::scene::Purpose::Fit), which share one medium a channel. Options
+/// of `[fit]` are the first scene's.
+///
+/// # Errors
+/// As [`check_scenes`] and [`fit_channel`].
+pub fn fit_scenes(scenes: &[Scene], settings: &Settings, filter: Filter) -> Result<SceneFit> {
+    check_scenes(scenes, settings)?;
+    let clock = Instant::now();
+    let first = &scenes[0];
     let mut channels = Vec::new();
     for (i, name) in names(first).into_iter().enumerate() {
         let data: Vec<Datum> = scenes.iter().map(|scene| datum(scene, i)).collect();

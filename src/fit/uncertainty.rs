@@ -35,12 +35,19 @@ pub struct Uncertainty {
     scale: Vector3<f64>,
     eigenvalues: Vector3<f64>,
     eigenvectors: Matrix3<f64>,
+    inflation: f64,
     status: [Status; 3],
     std_errors: [Option<f64>; 3],
 }
 
 impl Uncertainty {
-    pub(super) fn new(equations: &NormalEquations, parameters: &Parameters, median_z: f64) -> Self {
+    /// Every variance is multiplied by `inflation`.
+    pub(super) fn new(
+        equations: &NormalEquations,
+        parameters: &Parameters,
+        median_z: f64,
+        inflation: f64,
+    ) -> Self {
         // A parameter that moves nothing, such as a fixed one, gets a row of its own, whose eigenvalue is 0.
         let scale = equations.diagonal.map(|d| if d > 0.0 { 1.0 / d.sqrt() } else { 0.0 });
         let scaled = Matrix3::from_diagonal(&scale) * equations.matrix * Matrix3::from_diagonal(&scale);
@@ -49,6 +56,7 @@ impl Uncertainty {
             scale,
             eigenvalues: eigen.eigenvalues,
             eigenvectors: eigen.eigenvectors,
+            inflation,
             status: [Status::Fixed; 3],
             std_errors: [None; 3],
         };
@@ -81,7 +89,7 @@ impl Uncertainty {
                 return None;
             }
         }
-        Some(variance)
+        Some(variance * self.inflation)
     }
 
     /// Status of parameter `i`.
