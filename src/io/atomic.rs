@@ -22,7 +22,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     replace(path, bytes).map_err(|source| Error::Write { path: path.to_path_buf(), source })
 }
 
-/// Finds out early whether [`write`] will be able to write `path`; leaves nothing behind.
+/// Finds out early whether [`write()`] will be able to write `path`; leaves nothing behind.
 ///
 /// # Errors
 /// [`Error::Write`] with the path.
