@@ -1,4 +1,88 @@
-//! narrowbeam
+//! Estimates a scattering medium from one blurred image: scattering coefficient sigma_s, absorption coefficient
+//! sigma_a and the width B of a Gaussian phase function, given the clear object image and its depth.
+//!
+//! # Image formation
+//!
+//! ```text
+//! observed(x) = gain · [ T(z_x) L(x) + sum_j w_j(x - j) L(j) ] + veil
+//!
+//! T(z)   = exp(-sigma_t z)                                direct light
+//! w_j(u) = psf of path length z_j, integrated over object pixel j and averaged over observed pixel j + u
+//! M(k)   = T + 2 pi ∫ psf(r) J0(k r) r dr                 transfer function of the kernel
+//!        = exp(-sigma_t z + sigma_s z F(k z))             for the model `small-angle`
+//! F(q)   = sqrt(pi) erf(x) / (2 x),  x = sqrt(B) q
+//! ```
+//!
+//! This is eq. 29 of M. Shinya, Y. Dobashi, M. Shiraishi, T. Nishita, *Rendering Objects in Random Scattering Media
+//! with the Narrow Beam Theory*, with the kernel as a choice ([`spread`]). The medium is homogeneous and
+//! index-matched (no refraction at its surface).
+//!
+//! | symbol | in code | meaning | unit |
+//! | --- | --- | --- | --- |
+//! | L | `radiance` | clear object image, linear radiance | any |
+//! | sigma_s, sigma_a | `sigma_s`, `sigma_a` | scattering, absorption coefficient | 1/length |
+//! | sigma_t | `sigma_t` | extinction sigma_s + sigma_a | 1/length |
+//! | B | `b` | width of the phase function exp(-theta²/(4B)) | rad² |
+//! | sqrt(4B) | `spread_angle` | rms of a single deflection for small B | rad |
+//! | z | `path_length` | path in the medium along the line of sight: depth - surface | length |
+//! | tau | `tau` | scattering optical depth sigma_s z | 1 |
+//! | T | `transmittance` | share of the light that arrives unscattered | 1 |
+//! | psf(r) | `psf` | density of the scattered light; integrates to its share of all light, not to 1 | 1/area |
+//! | M(k) | `mtf` | transfer function, direct light included; M(0) is all that arrives | 1 |
+//! | F | `mean_planar_transform` | mean of the planar phase function's transform over the path | 1 |
+//! | k | `k` | spatial frequency in the object plane | rad/length |
+//! | gain, veil | `gain`, `veil` | exposure; light scattered in from the illumination, in units of the observation | 1; any |
+//!
+//! # A whole fit
+//!
+//! A checkerboard 2 m behind the medium's surface, pixels of 5 cm:
+//!
+//! ```
+//! use narrowbeam::filter::{Optics, Target, cpu::CpuFilter};
+//! use narrowbeam::fit::{Datum, Settings, VeilTerm, fit_channel};
+//! use narrowbeam::geometry::Geometry;
+//! use narrowbeam::image::{Border, Image, View};
+//! use narrowbeam::medium::Medium;
+//! use narrowbeam::phase::Gaussian;
+//! use narrowbeam::scene::{FitOptions, Gain};
+//! use narrowbeam::spread::Model;
+//!
+//! let object = Image::from_fn(32, 32, |x, y| if (x / 5 + y / 7) % 2 == 0 { 0.9 } else { 0.2 });
+//! let geometry = Geometry::planar(32, 32, 0.05, 2.0)?;
+//! let view = View::whole(32, 32);
+//! let target = Target { radiance: &object, geometry: &geometry, border: Border::Mirror, view };
+//!
+//! // What the camera sees through a medium of sigma_s .9 and sigma_a .05 per metre, B .004 rad².
+//! let phase = Gaussian::new(0.004)?;
+//! let optics = Optics { model: Model::SmallAngle, medium: Medium::new(0.9, 0.05)?, phase: &phase };
+//! let observed = CpuFilter::new(target, &optics, 1.0)?.render(&optics)?;
+//!
+//! // The medium back from the two images.
+//! let (gain, veil) = (Gain::Fixed(1.0), VeilTerm::Fixed(0.0));
+//! let datum = Datum { target, observed: &observed, mask: None, noise: None, gain, veil };
+//! let fit = fit_channel(&[datum], &FitOptions::default(), &Settings::default())?;
+//! let [sigma_s, sigma_a, b] = fit.parameters.values();
+//! assert!(fit.converged);
+//! assert!((sigma_s - 0.9).abs() < 1e-3 && (sigma_a - 0.05).abs() < 1e-3 && (b - 0.004).abs() < 1e-5);
+//! # Ok::<(), narrowbeam::Error>(())
+//! ```
+//!
+//! Scene files are read by [`scene::Scene::read`] and fitted by [`fit::scenes::fit_scenes`].
+//!
+//! # Modules
+//!
+//! | module | what it holds |
+//! | --- | --- |
+//! | [`medium`], [`phase`] | coefficients; phase functions |
+//! | [`geometry`], [`image`](mod@image) | camera, distances, pixel pitch; linear images, views, borders |
+//! | [`spread`] | the kernels: `beer-lambert` to `small-angle` |
+//! | [`filter`] | from the clear object to the image through the medium, for any depth map |
+//! | [`fit`] | estimates, their errors, the report |
+//! | [`trace`] | photon tracer: the independent witness, uses none of the three above |
+//! | [`compare`] | a kernel against traced light |
+//! | [`scene`], [`io`], [`plots`], [`cli`] | scene files; EXR and PNG; pictures; the command line |
+//! | [`error`](mod@error) | every refusal, naming the culprit |
+
 pub mod cli;
 pub mod compare;
 pub mod error;
@@ -16,3 +100,8 @@ pub mod spread;
 pub mod trace;
 
 pub use error::{Error, Result};
+
+/// The code of the README runs as a doctest.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeDoctests;

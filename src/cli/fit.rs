@@ -34,7 +34,7 @@ pub(super) struct Arguments {
     #[arg(long, default_value = "levenberg-marquardt")]
     solver: Method,
     /// Iterations after which a fit is given up
-    #[arg(long, default_value_t = 60, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..))]
     max_iterations: u64,
     /// Directory for fit.json, render.exr, residual.exr and pictures
     #[arg(long, default_value = "narrowbeam-fit", value_name = "DIR")]

@@ -46,7 +46,7 @@ impl Default for Settings<'_> {
         Self {
             model: Model::SmallAngle,
             method: Method::LevenbergMarquardt,
-            max_iterations: 60,
+            max_iterations: 200,
             progress: &|| (),
         }
     }

@@ -171,6 +171,20 @@ impl<'a> Observed<'a> {
         0.5 * self.pixels.iter().map(residual).sum::<f64>() / (self.noise * self.noise)
     }
 
+    /// The sums of m², m y and y² over noise², of an image m and the observation y; a free veil is taken off both.
+    pub(super) fn products(&self, image: &Image) -> [f64; 3] {
+        let mut sums = [0.0; 5];
+        for &(i, y) in &self.pixels {
+            let (m, y) = (f64::from(image.data[i as usize]), f64::from(y));
+            sums = [sums[0] + m * m, sums[1] + m * y, sums[2] + y * y, sums[3] + m, sums[4] + y];
+        }
+        let [mm, my, yy, m, y] = sums;
+        let n =
+            if matches!(self.datum.veil, VeilTerm::Free) { self.pixels.len() as f64 } else { f64::INFINITY };
+        let w = 1.0 / (self.noise * self.noise);
+        [(mm - m * m / n) * w, (my - m * y / n) * w, (yy - y * y / n) * w]
+    }
+
     /// Normal equations of a rendering; `chain` is d value / d coordinate of each parameter.
     pub(super) fn compare(&self, rendering: &Rendering, chain: [f64; 3]) -> NormalEquations {
         let image = &rendering.image;

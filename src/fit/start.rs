@@ -3,7 +3,8 @@
 //! Fine detail survives only in the direct light, so the regression of the observation's Laplacian on the object's
 //! gives the direct share T; the ratio of the mean levels gives what was not absorbed. Hence sigma_t and sigma_a,
 //! and sigma_s between them. The width B is the best of a few tried with the real renderer, and so is the split
-//! itself: in thick media the blurred light is taken for direct light, so larger depths are tried too.
+//! itself: in thick media the blurred light is taken for direct light, so larger depths are tried too. Light that a
+//! wide kernel carries out of the view lowers the level as absorption does, so each trial has its own absorption.
 
 use super::residual::{Datum, Observed, VeilTerm};
 use super::{Parameters, Settings, with_optics};
@@ -62,19 +63,57 @@ pub(super) fn choose(
             let mut trial = first.clone();
             trial.set(0, first.values()[0] * depth);
             trial.set(2, b);
-            let mut cost = 0.0;
-            for (filter, observed) in filters.iter().zip(observed) {
-                cost += observed.cost(&with_optics(&trial, model, |optics| filter.render(optics))?);
+            let mut level = Level::default();
+            for ((filter, observed), datum) in filters.iter().zip(observed).zip(data) {
+                let image = with_optics(&trial, model, |optics| filter.render(optics))?;
+                level.add(observed.products(&image), datum.gain);
                 renders += 1;
                 (settings.progress)();
             }
-            if cost < best {
-                best = cost;
+            let brightest = if open[1] { (trial.values()[1] * median_z).exp() } else { 1.0 };
+            let scale = if open[1] { level.best_scale().clamp(1.0 / DARKEST, brightest) } else { 1.0 };
+            if level.cost(scale) < best {
+                best = level.cost(scale);
+                trial.set(1, trial.values()[1] - scale.ln() / median_z);
                 *parameters = trial;
             }
         }
     }
     Ok(renders)
+}
+
+/// Most that absorption may dim the first guess further.
+const DARKEST: f64 = 1e3;
+
+/// How renders compare with observations if all of them may be scaled together, as absorption would.
+#[derive(Default)]
+struct Level {
+    mm: f64,
+    my: f64,
+    yy: f64,
+    /// Of scenes with a free gain, which scale by themselves.
+    settled: f64,
+}
+
+impl Level {
+    fn add(&mut self, [mm, my, yy]: [f64; 3], gain: Gain) {
+        match gain {
+            Gain::Free => self.settled += yy - if mm > 0.0 { my * my / mm } else { 0.0 },
+            Gain::Fixed(gain) => {
+                self.mm += gain * gain * mm;
+                self.my += gain * my;
+                self.yy += yy;
+            }
+        }
+    }
+
+    fn best_scale(&self) -> f64 {
+        if self.mm > 0.0 { self.my / self.mm } else { 1.0 }
+    }
+
+    fn cost(&self, scale: f64) -> f64 {
+        self.settled + self.yy - 2.0 * scale * self.my + scale * scale * self.mm
+    }
 }
 
 /// Coefficients from one scene's direct share and mean level.
