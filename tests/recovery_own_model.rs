@@ -11,6 +11,8 @@ use narrowbeam::medium::Medium;
 use narrowbeam::phase::Gaussian;
 use narrowbeam::scene::{FitOptions, Gain};
 use narrowbeam::spread::Model;
+use rand_core::Rng;
+use rand_xoshiro::{Xoshiro256PlusPlus, rand_core::SeedableRng};
 
 struct Made {
     object: Image,
