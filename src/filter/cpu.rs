@@ -177,7 +177,7 @@ impl<'a> CpuFilter<'a> {
                 let line = alias.line(&across.basis[kx]);
                 for ky in 0..=height / 2 {
                     let weight = across.sinc2[kx] * down.sinc2[ky];
-                    let base = radial.at(across.w[kx].hypot(down.w[ky]));
+                    let base = radial.at((across.w[kx].powi(2) + down.w[ky].powi(2)).sqrt());
                     let beyond = line.at(&down.basis[ky]);
                     let transfer: Lanes = std::array::from_fn(|c| weight * base[c] + beyond[c]);
                     for (out, &c) in column.iter_mut().zip(components) {

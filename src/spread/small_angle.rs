@@ -26,8 +26,11 @@ impl<'a> SmallAngle<'a> {
     fn multiple(&self, k: f64) -> f64 {
         let x = self.tau * self.phase.mean_planar_transform(k * self.z);
         // exp(x) - 1 - x cancels below 1e-3, where three terms of the series are exact to 1e-13.
-        let rest = if x < 1e-3 { x * x * (0.5 + x * (1.0 / 6.0 + x / 24.0)) } else { x.exp_m1() - x };
-        self.t * rest
+        match x {
+            _ if x < 1e-3 => self.t * x * x * (0.5 + x * (1.0 / 6.0 + x / 24.0)),
+            _ if x < 1.0 => self.t * (x.exp_m1() - x),
+            _ => (x - self.medium.sigma_t() * self.z).exp() - self.t * (1.0 + x),
+        }
     }
 
     fn k_scale(&self) -> f64 {
@@ -47,9 +50,9 @@ impl SpreadKernel for SmallAngle<'_> {
     fn scattered_transfer(&self, k: f64) -> Dual {
         let (z, t, tau) = (self.z, self.t, self.tau);
         let f = self.phase.mean_planar_transform(k * z);
-        let grown = (tau * f).exp_m1();
-        let value = t * grown;
-        let whole = value + t;
+        let whole = (tau * f - self.medium.sigma_t() * z).exp();
+        // M - T cancels where little is scattered; T (exp(tau F) - 1) overflows where much is.
+        let value = if tau * f < 1.0 { t * (tau * f).exp_m1() } else { whole - t };
         let d_f = self.phase.mean_planar_transform_derivative(k * z);
         Dual { value, gradient: [z * (whole * f - value), -z * value, whole * tau * d_f] }
     }
