@@ -35,6 +35,26 @@ impl Progress {
         Self { bar, start: Instant::now(), wanted, shown: AtomicBool::new(false) }
     }
 
+    /// Time running, for work that cannot be counted.
+    pub fn uncounted(task: &str) -> Self {
+        let progress = Self::new(task, "", 1);
+        let template = format!("{task} {{spinner}} {{elapsed}}");
+        let style =
+            ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_spinner());
+        progress.bar.set_style(style);
+        if progress.wanted {
+            let bar = progress.bar.clone();
+            std::thread::spawn(move || {
+                std::thread::sleep(PATIENCE);
+                if !bar.is_finished() {
+                    bar.set_draw_target(ProgressDrawTarget::stderr_with_hz(REFRESH_HZ));
+                    bar.enable_steady_tick(PATIENCE / u32::from(REFRESH_HZ));
+                }
+            });
+        }
+        progress
+    }
+
     /// Adds `units` finished units; may be called from several threads.
     pub fn add(&self, units: u64) {
         let due = self.wanted && self.start.elapsed() >= PATIENCE;

@@ -1,6 +1,7 @@
 //! `narrowbeam render`: a scene through its medium by a spread model.
 
 use super::options::{Backend, MediumOptions, parse_backend, parse_model, provenance};
+use super::progress::Progress;
 use crate::filter::cpu::CpuFilter;
 use crate::filter::{Filter, Optics, Target};
 use crate::image::Channel;
@@ -37,6 +38,7 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let scene = Scene::read(&arguments.scene, Purpose::Render)?;
     let media = scene.medium_values(arguments.medium.values())?;
+    let progress = Progress::uncounted("rendering");
     let mut channels = Vec::new();
     for (object, values) in scene.object.iter().zip(&media) {
         let phase = Gaussian::new(values.b)?;
@@ -51,6 +53,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
         let image = CpuFilter::new(target, &optics, 1.0)?.render(&optics)?;
         channels.push(Channel { name: object.name.clone(), image });
     }
+    drop(progress);
     let mut attributes = provenance();
     attributes.push(("model".into(), arguments.model.name().into()));
     attributes.push(("filter".into(), arguments.filter.name().into()));

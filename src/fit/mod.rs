@@ -4,8 +4,11 @@
 //! object light. A free gain or veil enters linearly and is eliminated at every step (variable projection, Golub
 //! and Pereyra 1973); the rest is a damped Gauss-Newton iteration in (ln sigma_s, sigma_a, ln B).
 
+mod datum;
+mod equations;
+mod exposure;
+mod observed;
 mod parameters;
-mod residual;
 mod solver;
 mod start;
 mod uncertainty;
@@ -13,8 +16,10 @@ mod uncertainty;
 pub mod report;
 pub mod scenes;
 
+pub use datum::{Datum, VeilTerm};
+pub use exposure::Exposure;
 pub use parameters::{Bounds, NAMES, Parameters};
-pub use residual::{Datum, Exposure, VeilTerm};
+
 pub use solver::Method;
 pub use uncertainty::{Status, Uncertainty};
 
@@ -27,7 +32,9 @@ use crate::medium::Medium;
 use crate::phase::Gaussian;
 use crate::scene::{FitOptions, Gain};
 use crate::spread::Model;
-use residual::{NormalEquations, Observed};
+use equations::NormalEquations;
+use exposure::exposures;
+use observed::Observed;
 
 /// What to fit with.
 #[derive(Clone, Copy)]
@@ -117,9 +124,9 @@ pub fn fit_channel(data: &[Datum], options: &FitOptions, settings: &Settings) ->
         iterations += outcome.iterations;
         evaluations += outcome.evaluations;
         parameters.set_internal(&outcome.point);
-        let exposures = outcome.equations.exposures(&observed, None);
+        let unsettled = exposures(&outcome.equations, &observed, None);
         let renders =
-            Problem::new(&filters, &observed, &parameters, settings).exposed_renders(&exposures, data)?;
+            Problem::new(&filters, &observed, &parameters, settings).exposed_renders(&unsettled, data)?;
         // Only the ratio of the scenes' weights moves the optimum, so one scene is settled whatever its noise.
         let mut change: f64 = 0.0;
         for ((o, datum), render) in observed.iter_mut().zip(data).zip(&renders) {
@@ -145,7 +152,7 @@ pub fn fit_channel(data: &[Datum], options: &FitOptions, settings: &Settings) ->
             return Ok(ChannelFit {
                 start,
                 renders,
-                exposures: last.exposures(&observed, Some(&uncertainty)),
+                exposures: exposures(&last, &observed, Some(&uncertainty)),
                 uncertainty,
                 cost: last.cost,
                 reduced_chi2,

@@ -1,8 +1,8 @@
 //! The optimisers, as argmin solvers: Levenberg-Marquardt within bounds (argmin has none) and argmin's Nelder-Mead.
 //! The only file that mentions argmin.
 
+use super::equations::NormalEquations;
 use super::parameters::Bounds;
-use super::residual::NormalEquations;
 use super::{Problem, Settings};
 use crate::error::{Error, Result};
 use argmin::core::{

@@ -6,7 +6,8 @@
 //! itself: in thick media the blurred light is taken for direct light, so larger depths are tried too. Light that a
 //! wide kernel carries out of the view lowers the level as absorption does, so each trial has its own absorption.
 
-use super::residual::{Datum, Observed, VeilTerm};
+use super::datum::{Datum, VeilTerm};
+use super::observed::Observed;
 use super::{Parameters, Settings, with_optics};
 use crate::error::Result;
 use crate::filter::cpu::CpuFilter;

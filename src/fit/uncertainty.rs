@@ -4,8 +4,8 @@
 //! eigenvectors. A direction whose eigenvalue is below rounding moves no pixel: any parameter with a part in it is
 //! undetermined. The variance of a linear function g·u is sum (g·v)²/lambda over the others.
 
+use super::equations::NormalEquations;
 use super::parameters::Parameters;
-use super::residual::NormalEquations;
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 /// Eigenvalues of the scaled matrix below this are rounding: renders are f32, good to some 1e-6, and enter squared.

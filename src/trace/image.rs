@@ -7,9 +7,10 @@
 //! scatter too. The radiance is constant over a pixel of the object image.
 
 use super::OPAQUE;
+use super::meeting::Meeting;
 use super::path::{Path, free_path};
 use super::rng::Stream;
-use super::surface::{Meeting, Surface};
+use super::surface::Surface;
 use crate::error::{Error, Result, in_range};
 use crate::geometry::{Field, Geometry};
 use crate::image::{Border, Image, View};

@@ -15,6 +15,7 @@
 
 mod image;
 mod march;
+mod meeting;
 mod patches;
 mod path;
 mod radial;

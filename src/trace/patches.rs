@@ -9,7 +9,7 @@
 //! and slopes, `Zero` has nothing there.
 
 use super::march::{Projection, Segment, march};
-use super::surface::{Meeting, pixel};
+use super::meeting::{Meeting, pixel};
 use crate::geometry::{FARTHEST, Geometry};
 use crate::image::Border;
 use glam::DVec3;

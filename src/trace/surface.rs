@@ -4,21 +4,11 @@
 //! does not end with the image: its surface goes on under `Zero` as under `Clamp`.
 
 use super::march::Projection;
+use super::meeting::{Meeting, pixel};
 use super::patches::Patches;
 use crate::geometry::{Camera, Field, Geometry};
 use crate::image::Border;
 use glam::DVec3;
-
-/// What a segment meets first.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Meeting {
-    /// Nothing.
-    Nothing,
-    /// The lit side of the object: the pixel's index, and the distance from the segment's start.
-    Object { pixel: usize, distance: f64 },
-    /// The rear of an object, which sends no light, or the dark outside of the image.
-    Dark,
-}
 
 /// The object, or the medium's surface.
 #[derive(Debug)]
@@ -101,10 +91,4 @@ impl Surface {
             Self::Patches(patches) => patches.is_left(p, d, length),
         }
     }
-}
-
-/// Index of the pixel that stands for a column.
-#[inline]
-pub(super) fn pixel([u, v]: [i64; 2], border: Border, [width, height]: [usize; 2]) -> Option<usize> {
-    Some(border.index(v, height)? * width + border.index(u, width)?)
 }

@@ -1,0 +1,40 @@
+//! The data of a fit: one channel of one observed scene.
+
+use crate::filter::Target;
+use crate::image::Image;
+use crate::scene::Gain;
+
+/// The veil of one channel, in units of the observation.
+#[derive(Debug, Clone, Copy)]
+pub enum VeilTerm<'a> {
+    /// A known number.
+    Fixed(f64),
+    /// A known image, of the view's size.
+    Image(&'a Image),
+    /// One constant, fitted.
+    Free,
+}
+
+/// One channel of one scene, with its observation.
+#[derive(Debug, Clone, Copy)]
+pub struct Datum<'a> {
+    /// The object and its view.
+    pub target: Target<'a>,
+    /// The observed image, of the view's size.
+    pub observed: &'a Image,
+    /// Pixels above 0 count.
+    pub mask: Option<&'a Image>,
+    /// Standard deviation of a pixel's noise, if known.
+    pub noise: Option<f64>,
+    /// Exposure.
+    pub gain: Gain,
+    /// Veil.
+    pub veil: VeilTerm<'a>,
+}
+
+impl Datum<'_> {
+    /// How many of gain and veil are free.
+    pub(super) fn free_exposure(&self) -> usize {
+        usize::from(self.gain == Gain::Free) + usize::from(matches!(self.veil, VeilTerm::Free))
+    }
+}

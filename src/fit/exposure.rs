@@ -1,0 +1,64 @@
+//! How each scene was exposed: gain, veil and noise, with what the fit says of them.
+
+use super::datum::VeilTerm;
+use super::equations::{Linear, NormalEquations};
+use super::observed::Observed;
+use super::uncertainty::Uncertainty;
+use crate::image::Image;
+use crate::scene::Gain;
+
+/// Gain, veil, noise and misfit of one scene after a fit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Exposure {
+    /// Exposure: observed = gain · object light + veil.
+    pub gain: f64,
+    /// Standard error of the gain; `None` if it was given or the data leave it undetermined.
+    pub gain_error: Option<f64>,
+    /// Veil, the constant part.
+    pub veil: f64,
+    /// Standard error of the veil; `None` if it was given or the data leave it undetermined.
+    pub veil_error: Option<f64>,
+    /// Standard deviation of a pixel's noise, given or estimated.
+    pub noise: f64,
+    /// Sum of squared residuals over noise².
+    pub chi2: f64,
+    /// Pixels that counted.
+    pub pixels: usize,
+}
+
+impl Exposure {
+    /// The image as observed: gain · `image` + veil.
+    pub(super) fn apply(&self, mut image: Image, veil: VeilTerm) -> Image {
+        let (gain, constant) = (self.gain as f32, self.veil as f32);
+        for (i, v) in image.data.iter_mut().enumerate() {
+            let veil = if let VeilTerm::Image(veil) = veil { veil.data[i] } else { constant };
+            *v = gain * *v + veil;
+        }
+        image
+    }
+}
+
+/// Gain and veil of every scene, with their errors if the parameters' are given.
+pub(super) fn exposures(
+    equations: &NormalEquations,
+    observed: &[Observed],
+    uncertainty: Option<&Uncertainty>,
+) -> Vec<Exposure> {
+    let error = |l: &Linear, row: usize, free: bool| {
+        let shared = uncertainty?.variance_of(&l.coupling.row(row).transpose())?;
+        free.then(|| (l.inverse[(row, row)] + shared).sqrt())
+    };
+    let exposure = |(l, o): (&Linear, &Observed)| Exposure {
+        gain: l.gain,
+        gain_error: error(l, 0, o.datum.gain == Gain::Free),
+        veil: match o.datum.veil {
+            VeilTerm::Fixed(v) => v,
+            _ => l.veil,
+        },
+        veil_error: error(l, 1, matches!(o.datum.veil, VeilTerm::Free)),
+        noise: o.noise,
+        chi2: l.chi2,
+        pixels: o.pixels(),
+    };
+    equations.linear.iter().zip(observed).map(exposure).collect()
+}

@@ -1,0 +1,154 @@
+//! Renders against one observed scene: gain and veil solved for, residuals, noise.
+//!
+//! The model of a pixel is gain · I + veil. Both enter linearly, so where they are free they take the values that fit
+//! a render best.
+
+use super::datum::{Datum, VeilTerm};
+use super::equations::{CHUNK, Linear, NormalEquations, Sums};
+use crate::error::{Error, Result};
+use crate::filter::cpu::Rendering;
+use crate::image::Image;
+use crate::scene::Gain;
+use nalgebra::{Matrix2, Vector2, Vector3};
+use rayon::prelude::*;
+
+/// Relative error of a render: an observation without noise cannot be known better than that.
+const RENDER_ERROR: f64 = 1e-5;
+/// With fewer pixels whose neighbours all count, the noise is taken from the residuals themselves.
+const FEWEST_LAPLACIANS: i32 = 100;
+
+/// A datum with its pixels gathered: values of those that count, known veil taken off.
+pub(super) struct Observed<'a> {
+    pub datum: Datum<'a>,
+    /// Index in the view and value of every pixel that counts.
+    pixels: Vec<(u32, f32)>,
+    pub noise: f64,
+}
+
+impl<'a> Observed<'a> {
+    pub(super) fn new(datum: &Datum<'a>) -> Result<Self> {
+        let counts = |i: &usize| datum.mask.is_none_or(|m| m.data[*i] > 0.0);
+        let veil = |i: usize| match datum.veil {
+            VeilTerm::Fixed(v) => v as f32,
+            VeilTerm::Image(image) => image.data[i],
+            VeilTerm::Free => 0.0,
+        };
+        let all = &datum.observed.data;
+        let pixels: Vec<(u32, f32)> =
+            (0..all.len()).filter(counts).map(|i| (i as u32, all[i] - veil(i))).collect();
+        if pixels.is_empty() {
+            return Err(Error::NothingToFit("the mask leaves no pixel".into()));
+        }
+        Ok(Self { datum: *datum, pixels, noise: datum.noise.unwrap_or(1.0) })
+    }
+
+    pub(super) fn pixels(&self) -> usize {
+        self.pixels.len()
+    }
+
+    /// Gain and veil that fit `image` best, given or by linear least squares, and the inverse normal matrix.
+    fn expose(&self, image: &Image) -> (Vector2<f64>, Matrix2<f64>) {
+        let mut sums = [0.0; 5];
+        for &(i, y) in &self.pixels {
+            let (m, y) = (f64::from(image.data[i as usize]), f64::from(y));
+            sums = [sums[0] + m * m, sums[1] + m, sums[2] + m * y, sums[3] + y, sums[4] + 1.0];
+        }
+        let [mm, m, my, y, n] = sums;
+        let w = 1.0 / (self.noise * self.noise);
+        let fixed_veil = 0.0;
+        match (self.datum.gain, self.datum.veil) {
+            (Gain::Fixed(gain), VeilTerm::Free) => {
+                (Vector2::new(gain, (y - gain * m) / n), Matrix2::new(0.0, 0.0, 0.0, 1.0 / (n * w)))
+            }
+            (Gain::Fixed(gain), _) => (Vector2::new(gain, fixed_veil), Matrix2::zeros()),
+            (Gain::Free, VeilTerm::Free) => {
+                let inverse = Matrix2::new(mm, m, m, n).try_inverse().unwrap_or_else(Matrix2::zeros);
+                (inverse * Vector2::new(my, y), inverse / w)
+            }
+            (Gain::Free, _) if mm > 0.0 => {
+                (Vector2::new(my / mm, fixed_veil), Matrix2::new(1.0 / (mm * w), 0.0, 0.0, 0.0))
+            }
+            (Gain::Free, _) => (Vector2::new(1.0, fixed_veil), Matrix2::zeros()),
+        }
+    }
+
+    /// Standard deviation of a pixel's noise, from the fine structure of the residual observation - `render` (already
+    /// exposed and veiled): the Laplacian of white noise has 20 times its variance, while a misfit, being blurred as
+    /// the object's light is, has little there. So a misfit shows in chi² and does not pass for noise.
+    pub(super) fn fine_noise(&self, render: &Image) -> f64 {
+        let (observed, width) = (self.datum.observed, self.datum.observed.width);
+        let residual = |i: usize| f64::from(observed.data[i]) - f64::from(render.data[i]);
+        let counts = |i: usize| self.datum.mask.is_none_or(|m| m.data[i] > 0.0);
+        let (mut sum, mut number) = (0.0, 0);
+        for y in 1..observed.height.saturating_sub(1) {
+            for i in y * width + 1..(y + 1) * width - 1 {
+                let around = [i - 1, i + 1, i - width, i + width];
+                if counts(i) && around.iter().all(|&n| counts(n)) {
+                    let laplacian = 4.0 * residual(i) - around.iter().map(|&n| residual(n)).sum::<f64>();
+                    sum += laplacian * laplacian;
+                    number += 1;
+                }
+            }
+        }
+        let all = self.pixels.iter().map(|&(i, _)| residual(i as usize).powi(2)).sum::<f64>();
+        let variance = if number >= FEWEST_LAPLACIANS {
+            sum / f64::from(20 * number)
+        } else {
+            all / self.pixels() as f64
+        };
+        let level =
+            self.pixels.iter().map(|&(_, y)| f64::from(y).powi(2)).sum::<f64>() / self.pixels() as f64;
+        variance.sqrt().max(RENDER_ERROR * level.sqrt()).max(f64::MIN_POSITIVE.sqrt())
+    }
+
+    /// ½ chi² of a rendered image.
+    pub(super) fn cost(&self, image: &Image) -> f64 {
+        let (exposure, _) = self.expose(image);
+        let residual = |&(i, y): &(u32, f32)| {
+            let r = exposure[0] * f64::from(image.data[i as usize]) + exposure[1] - f64::from(y);
+            r * r
+        };
+        0.5 * self.pixels.iter().map(residual).sum::<f64>() / (self.noise * self.noise)
+    }
+
+    /// The sums of m², m y and y² over noise², of an image m and the observation y; a free veil is taken off both.
+    pub(super) fn products(&self, image: &Image) -> [f64; 3] {
+        let mut sums = [0.0; 5];
+        for &(i, y) in &self.pixels {
+            let (m, y) = (f64::from(image.data[i as usize]), f64::from(y));
+            sums = [sums[0] + m * m, sums[1] + m * y, sums[2] + y * y, sums[3] + m, sums[4] + y];
+        }
+        let [mm, my, yy, m, y] = sums;
+        let n =
+            if matches!(self.datum.veil, VeilTerm::Free) { self.pixels.len() as f64 } else { f64::INFINITY };
+        let w = 1.0 / (self.noise * self.noise);
+        [(mm - m * m / n) * w, (my - m * y / n) * w, (yy - y * y / n) * w]
+    }
+
+    /// Normal equations of a rendering; `chain` is d value / d coordinate of each parameter.
+    pub(super) fn compare(&self, rendering: &Rendering, chain: [f64; 3]) -> NormalEquations {
+        let image = &rendering.image;
+        let gradient = rendering.gradient.as_ref().expect("rendered with derivatives");
+        let (exposure, inverse) = self.expose(image);
+        let scale = Vector3::from(chain) * exposure[0];
+        let Sums { rr, yy, jr, jj, lj } = self
+            .pixels
+            .par_chunks(CHUNK)
+            .map(|pixels| Sums::over(pixels, image, gradient, (exposure, scale)))
+            .collect::<Vec<_>>()
+            .into_iter()
+            .fold(Sums::default(), Sums::plus);
+        let w = 1.0 / (self.noise * self.noise);
+        let coupling = -inverse * lj * w;
+        // The residual is already orthogonal to free gain and veil, so the gradient needs no correction.
+        NormalEquations {
+            cost: 0.5 * rr * w,
+            pixels: self.pixels.len(),
+            signal: yy * w,
+            gradient: jr * w,
+            matrix: jj * w - lj.transpose() * inverse * lj * (w * w),
+            diagonal: jj.diagonal() * w,
+            linear: vec![Linear { gain: exposure[0], veil: exposure[1], chi2: rr * w, inverse, coupling }],
+        }
+    }
+}
