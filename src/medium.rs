@@ -24,10 +24,10 @@ impl Medium {
     /// A medium of scattering coefficient `sigma_s` and absorption coefficient `sigma_a`, both in 1/length.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless both are finite and at least 0.
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless both are at least 0 and at most 1e30, which f32 can hold.
     pub fn new(sigma_s: f64, sigma_a: f64) -> Result<Self> {
-        let allowed = "finite and at least 0 (1/length)";
-        let ok = |v: f64| v.is_finite() && v >= 0.0;
+        let allowed = "at least 0 and at most 1e30 (1/length)";
+        let ok = |v: f64| (0.0..=1e30).contains(&v);
         Ok(Self {
             sigma_s: in_range("sigma_s", sigma_s, ok(sigma_s), allowed)?,
             sigma_a: in_range("sigma_a", sigma_a, ok(sigma_a), allowed)?,

@@ -1,8 +1,8 @@
 //! `narrowbeam fit`: from observed scenes to a medium.
 
-use super::UNDETERMINED;
 use super::options::{Backend, parse_backend, parse_model, provenance};
 use super::progress::Progress;
+use super::{UNDETERMINED, say};
 use crate::filter::Filter;
 use crate::fit::report::FitReport;
 use crate::fit::scenes::{SceneFit, check_scenes, fit_scenes};
@@ -63,6 +63,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     };
     check_scenes(&scenes, &settings)?;
     atomic::create_dir(&arguments.out)?;
+    for i in 0..scenes.len() {
+        for (name, kind) in OUTPUTS {
+            atomic::check_writable(&output(arguments, scenes.len(), i, name, kind))?;
+        }
+    }
+    atomic::check_writable(&arguments.out.join("fit.json"))?;
     let mut fit = fit_scenes(&scenes, &settings, arguments.filter)?;
     drop(progress);
     fit.report.command = provenance().into_iter().find(|(key, _)| key == "command").map(|(_, value)| value);
@@ -84,9 +90,9 @@ fn tell(arguments: &Arguments, report: &FitReport) -> Result<()> {
     text += &format!("{}\n", how_it_went(arguments, report));
     if arguments.json {
         eprint!("{text}");
-        println!("{}", serde_json::to_string_pretty(report)?);
+        say(&format!("{}\n", serde_json::to_string_pretty(report)?))?;
     } else {
-        print!("{text}");
+        say(&text)?;
     }
     for warning in &report.warnings {
         eprintln!("warning ({}): {}", warning.code, warning.message);
@@ -110,12 +116,28 @@ fn how_it_went(arguments: &Arguments, report: &FitReport) -> String {
     )
 }
 
+/// Name and kind of what is written for each scene.
+const OUTPUTS: [(&str, &str); 7] = [
+    ("render", "exr"),
+    ("residual", "exr"),
+    ("object", "png"),
+    ("observed", "png"),
+    ("render", "png"),
+    ("residual", "png"),
+    ("fit", "png"),
+];
+
+/// Path of such a file for scene `i` of `scenes`.
+fn output(arguments: &Arguments, scenes: usize, i: usize, name: &str, kind: &str) -> PathBuf {
+    let suffix = if scenes == 1 { String::new() } else { format!("-{}", i + 1) };
+    arguments.out.join(format!("{name}{suffix}.{kind}"))
+}
+
 /// `render`, `residual` and the pictures of each scene, then the report.
 fn write(arguments: &Arguments, scenes: &[Scene], fit: &SceneFit) -> Result<()> {
     for (i, scene) in scenes.iter().enumerate() {
         let observation = scene.observation.as_ref().expect("read for a fit");
-        let suffix = if scenes.len() == 1 { String::new() } else { format!("-{}", i + 1) };
-        let file = |name: &str, kind: &str| arguments.out.join(format!("{name}{suffix}.{kind}"));
+        let file = |name: &str, kind: &str| output(arguments, scenes.len(), i, name, kind);
         let (render, residual) = (fit.render(i), fit.residual(i, &observation.image));
         exr::write(&file("render", "exr"), &render, &provenance())?;
         exr::write(&file("residual", "exr"), &residual, &provenance())?;

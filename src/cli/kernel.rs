@@ -7,7 +7,8 @@ mod tables;
 
 use super::options::{non_negative, parse_model, positive};
 use super::progress::Progress;
-use crate::error::Result;
+use super::say;
+use crate::error::{Result, in_range};
 use crate::io::atomic;
 use crate::medium::Medium;
 use crate::phase::{Gaussian, b_of_spread_angle};
@@ -76,8 +77,15 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let setting = Setting {
         medium: Medium::new(arguments.sigma_s, arguments.sigma_a)?,
         phase: Gaussian::new(arguments.width.b())?,
-        z: arguments.depth,
+        z: in_range("--depth", arguments.depth, arguments.depth > 0.0, "above 0 (length)")?,
     };
+    let width = setting.z * setting.phase.spread_angle();
+    in_range(
+        "--depth times the spread angle",
+        width,
+        (1e-9..1e9).contains(&width),
+        "between 1e-9 and 1e9 (length)",
+    )?;
     let chosen = if arguments.models.is_empty() { Model::ALL.to_vec() } else { arguments.models.clone() };
     let models: Vec<Model> = Model::ALL.into_iter().filter(|m| chosen.contains(m)).collect();
     let kernels = models
@@ -96,7 +104,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     curves.extend(traced.iter().map(|profile| Curve::of_profile(profile, &grid)));
     tables::write(&arguments.out, &grid, &curves)?;
     charts::write(&arguments.out, &setting, &grid, &curves)?;
-    print!("{}", summary::text(&setting, &kernels, traced.as_ref()));
+    say(&summary::text(&setting, &kernels, traced.as_ref()))?;
     Ok(ExitCode::SUCCESS)
 }
 

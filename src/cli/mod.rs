@@ -9,6 +9,7 @@ mod trace;
 
 use crate::error::Error;
 use clap::{Parser, Subcommand};
+use std::io::Write;
 use std::process::ExitCode;
 
 /// Bad usage or input.
@@ -33,6 +34,14 @@ enum Command {
     Trace(trace::Arguments),
     /// Tabulate and draw the spread kernels of a medium, beside traced ones if wanted
     Kernel(kernel::Arguments),
+}
+
+/// Writes `text` to stdout. A reader that has gone away is not an error.
+fn say(text: &str) -> crate::Result<()> {
+    match std::io::stdout().write_all(text.as_bytes()) {
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        done => done.map_err(|source| Error::Write { path: "standard output".into(), source }),
+    }
 }
 
 /// Runs the command that the process was started with and returns its exit code: 0 done; 2 bad usage or input;

@@ -76,7 +76,10 @@ pub(super) fn parse_backend(name: &str) -> Result<Backend> {
 /// Software and command line, for the files that a command writes.
 pub(super) fn provenance() -> Vec<(String, String)> {
     let program = std::iter::once("narrowbeam".to_string());
-    let command = program.chain(std::env::args().skip(1)).collect::<Vec<_>>().join(" ");
+    let command = program
+        .chain(std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned()))
+        .collect::<Vec<_>>()
+        .join(" ");
     vec![
         ("software".into(), concat!("narrowbeam ", env!("CARGO_PKG_VERSION")).into()),
         ("command".into(), command),

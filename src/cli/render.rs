@@ -2,10 +2,10 @@
 
 use super::options::{Backend, MediumOptions, parse_backend, parse_model, provenance};
 use super::progress::Progress;
-use crate::filter::cpu::CpuFilter;
+use crate::filter::cpu::{CUT, CpuFilter};
 use crate::filter::{Filter, Optics, Target};
 use crate::image::Channel;
-use crate::io::exr;
+use crate::io::{atomic, exr};
 use crate::medium::Medium;
 use crate::phase::Gaussian;
 use crate::scene::{Purpose, Scene};
@@ -38,7 +38,9 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let scene = Scene::read(&arguments.scene, Purpose::Render)?;
     let media = scene.medium_values(arguments.medium.values())?;
+    atomic::check_writable(&arguments.output)?;
     let progress = Progress::uncounted("rendering");
+    let mut cut = false;
     let mut channels = Vec::new();
     for (object, values) in scene.object.iter().zip(&media) {
         let phase = Gaussian::new(values.b)?;
@@ -50,7 +52,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
             border: scene.border,
             view: scene.view,
         };
-        let image = CpuFilter::new(target, &optics, 1.0)?.render(&optics)?;
+        let filter = CpuFilter::new(target, &optics, 1.0)?;
+        let image = filter.render(&optics)?;
+        cut |= filter.is_cut(&optics)?;
         channels.push(Channel { name: object.name.clone(), image });
     }
     drop(progress);
@@ -60,5 +64,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     attributes.push(("backend".into(), arguments.backend.name().into()));
     attributes.push(("medium".into(), format!("{media:?}")));
     exr::write(&arguments.output, &channels, &attributes)?;
+    if cut {
+        eprintln!("warning (kernel_cut): {CUT}");
+    }
     Ok(ExitCode::SUCCESS)
 }

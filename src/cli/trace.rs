@@ -2,6 +2,7 @@
 
 use super::options::{MediumOptions, provenance};
 use super::progress::Progress;
+use super::say;
 use crate::image::{Channel, Image};
 use crate::io::{atomic, exr};
 use crate::medium::Medium;
@@ -60,7 +61,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     drop(progress);
 
     exr::write(&arguments.output, &channels, &record(arguments, &media))?;
-    println!("traced {paths} paths in {seconds:.2} s: {:.2} million paths/s", paths as f64 / seconds / 1e6);
+    let rate = paths as f64 / seconds / 1e6;
+    say(&format!("traced {paths} paths in {seconds:.2} s: {rate:.2} million paths/s\n"))?;
     Ok(ExitCode::SUCCESS)
 }
 

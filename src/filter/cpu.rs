@@ -30,9 +30,12 @@ pub struct Rendering {
 const OUTSIDE: f64 = 1e-5;
 /// Largest error of the slices' transfer functions, as a share of the scattered light.
 const SLICE_TOLERANCE: f64 = 1e-4;
-/// Padding is at most this many times the image's larger side, which bounds memory; a kernel that reaches farther
-/// is nearly flat across the view.
-const MOST_PADDING: f64 = 4.0;
+/// What to tell a user of [`CpuFilter::is_cut`].
+pub const CUT: &str = "the kernel reaches beyond the most padding there is: light that should leave the image comes \
+                       back on its other side; use fewer pixels for the same scene, or a mirrored border";
+/// Padding stops at this size of the padded image, or at two image sides if that is more, which bounds memory; what
+/// a kernel throws farther comes back on the other side, see [`CpuFilter::is_cut`].
+const MOST_PADDED_PX: usize = 4096;
 
 /// A target prepared for many renders.
 pub struct CpuFilter<'a> {
@@ -77,6 +80,15 @@ impl<'a> CpuFilter<'a> {
     pub fn serves(&self, optics: &Optics) -> Result<bool> {
         Ok(reach_px(&self.slices, optics)?.min(most_reach(&self.target)) <= self.reach_px
             && self.slices.error(&self.target, optics)? <= SLICE_TOLERANCE)
+    }
+
+    /// Whether the kernels of `optics` reach beyond the most padding there is, so that light that should leave the
+    /// image comes back on its other side.
+    ///
+    /// # Errors
+    /// As [`Optics::kernel`].
+    pub fn is_cut(&self, optics: &Optics) -> Result<bool> {
+        Ok(self.target.border != Border::Mirror && reach_px(&self.slices, optics)? > most_reach(&self.target))
     }
 
     /// Number of slices.
@@ -239,7 +251,9 @@ fn reach_px(slices: &Slices, optics: &Optics) -> Result<f64> {
 
 /// The farthest reach that the padding serves, px.
 fn most_reach(target: &Target) -> f64 {
-    MOST_PADDING * target.radiance.width.max(target.radiance.height) as f64
+    let side = target.radiance.width.max(target.radiance.height);
+    let sides = if target.border == Border::Clamp { 2 } else { 1 };
+    (MOST_PADDED_PX.saturating_sub(side) / sides).max(2 * side) as f64
 }
 
 /// One axis of the padded image: its size, and where the object image begins in it.

@@ -77,8 +77,11 @@ impl Slices {
                 let z = Range::of(nodes.iter().map(|n| n.z));
                 let a = Range::of(nodes.iter().map(|n| n.pitch / n.z));
                 let z = Chebyshev::new(if z.high > z.low { count } else { 1 }, z.low, z.high);
-                // Pitch and path length are nearly proportional, so this range is short: half the nodes serve.
-                let many = if a.high > a.low * (1.0 + 1e-9) { count.div_ceil(2).max(2) } else { 1 };
+                // Pitch and path length are nearly proportional, so this range is short. Interpolation over a range
+                // of half-width rho about 1 falls like rho^n.
+                let rho = (a.high - a.low) / (a.high + a.low);
+                let enough = (SLICE_FLOOR.ln() / rho.ln()).ceil().max(2.0) as usize;
+                let many = if rho > 1e-9 { enough.min(count.max(2)) } else { 1 };
                 let magnification = Chebyshev::new(many, a.low, a.high);
                 let grid =
                     magnification.x.iter().flat_map(|&a| z.x.iter().map(move |&z| Node { z, pitch: a * z }));
@@ -149,6 +152,8 @@ impl Slices {
     }
 }
 
+/// Share of the scattered light to which the magnification is interpolated in a perspective view.
+const SLICE_FLOOR: f64 = 1e-5;
 /// Slices along z beyond which no more are taken.
 pub const MOST_SLICES: usize = 40;
 /// Frequencies, from pi rad/px down by half-octaves, at which slices are judged.

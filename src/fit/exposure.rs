@@ -46,7 +46,8 @@ pub(super) fn exposures(
 ) -> Vec<Exposure> {
     let error = |l: &Linear, row: usize, free: bool| {
         let shared = uncertainty?.variance_of(&l.coupling.row(row).transpose())?;
-        free.then(|| (l.inverse[(row, row)] + shared).sqrt())
+        let variance = l.inverse[(row, row)] + shared;
+        (free && variance.is_finite()).then(|| variance.sqrt())
     };
     let exposure = |(l, o): (&Linear, &Observed)| Exposure {
         gain: l.gain,

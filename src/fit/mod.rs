@@ -81,6 +81,10 @@ pub struct ChannelFit {
     pub median_z: f64,
     /// Whether the optimiser converged.
     pub converged: bool,
+    /// Whether the noise of the scenes and the planning of the renders settled.
+    pub settled: bool,
+    /// Whether the kernels reach beyond the padding, [`CpuFilter::is_cut`].
+    pub cut: bool,
     /// Why it stopped.
     pub stop: String,
     /// Iterations of the optimiser.
@@ -97,6 +101,8 @@ pub struct ChannelFit {
 
 /// How much wider than at the start the kernels may become before a fit is planned anew.
 pub const HEADROOM: f64 = 1.4;
+/// Reduced chi² above which a fit is said not to describe the image: half as much misfit as noise.
+const MISFIT: f64 = 1.5;
 /// Relative change of the estimated noise below which the scenes' weights are settled.
 const NOISE_SETTLED: f64 = 0.02;
 /// Times a fit is planned anew, or the noise estimated anew, at most.
@@ -104,15 +110,40 @@ const MOST_ROUNDS: usize = 6;
 
 /// Fits one channel's medium to `data`; all scenes share it.
 ///
+/// If the fit from the automatic start does not describe the images, it may have ended in a false minimum: kernels
+/// wider than the view are then tried as starts too, and the best of all fits counts.
+///
 /// # Errors
 /// [`Error::NothingToFit`] if no pixel counts or every parameter is fixed, [`Error::OutOfRange`] for contradictory
 /// options, [`Error::NotFinite`] if a render is not finite.
 pub fn fit_channel(data: &[Datum], options: &FitOptions, settings: &Settings) -> Result<ChannelFit> {
+    let mut best = fit_from(data, options, settings, None)?;
+    if best.reduced_chi2 > MISFIT && settings.model.spreads() && options.start == [None; 3] {
+        for width in start::BEYOND_THE_VIEW {
+            let other = fit_from(data, options, settings, Some(width))?;
+            if other.reduced_chi2 < best.reduced_chi2 {
+                best = other;
+            }
+        }
+    }
+    Ok(best)
+}
+
+/// The fit from one start: the automatic one, or a kernel of a `width` in views.
+fn fit_from(
+    data: &[Datum],
+    options: &FitOptions,
+    settings: &Settings,
+    width: Option<f64>,
+) -> Result<ChannelFit> {
     let mut observed = data.iter().map(Observed::new).collect::<Result<Vec<_>>>()?;
     let scenes: Vec<&Geometry> = data.iter().map(|d| d.target.geometry).collect();
     let median_z = median_path_length(&scenes);
     let mut parameters = Parameters::new(options, settings.model, median_z)?;
-    let mut evaluations = start::choose(&mut parameters, options, data, &observed, settings, median_z)?;
+    let mut evaluations = match width {
+        None => start::choose(&mut parameters, options, data, &observed, settings, median_z)?,
+        Some(width) => start::place(&mut parameters, data, width, median_z),
+    };
     let start = parameters.values();
     let unknown_noise = data.iter().any(|d| d.noise.is_none());
     let mut iterations = 0;
@@ -137,10 +168,16 @@ pub fn fit_channel(data: &[Datum], options: &FitOptions, settings: &Settings) ->
             }
         }
         let settled = data.len() == 1 || change < NOISE_SETTLED;
-        let served = with_optics(&parameters, settings.model, |optics| {
-            filters.iter().map(|f| f.serves(optics)).collect::<Result<Vec<_>>>()
+        let (served, cut) = with_optics(&parameters, settings.model, |optics| {
+            let (mut served, mut cut) = (true, false);
+            for filter in &filters {
+                served &= filter.serves(optics)?;
+                cut |= filter.is_cut(optics)?;
+            }
+            Ok((served, cut))
         })?;
-        if (settled && served.iter().all(|s| *s)) || round == MOST_ROUNDS || !outcome.converged {
+        let settled = settled && served;
+        if settled || round == MOST_ROUNDS || !outcome.converged {
             let problem = Problem::new(&filters, &observed, &parameters, settings);
             let last = if unknown_noise { problem.equations(&outcome.point)? } else { outcome.equations };
             let fitted = parameters.free_count() + data.iter().map(Datum::free_exposure).sum::<usize>();
@@ -159,6 +196,8 @@ pub fn fit_channel(data: &[Datum], options: &FitOptions, settings: &Settings) ->
                 pixels,
                 median_z,
                 converged: outcome.converged,
+                settled,
+                cut,
                 stop: outcome.stop,
                 iterations,
                 evaluations,

@@ -14,6 +14,8 @@ use rayon::prelude::*;
 
 /// Relative error of a render: an observation without noise cannot be known better than that.
 const RENDER_ERROR: f64 = 1e-5;
+/// Variance of an image, relative to its mean square, below which it is flat to rounding.
+const FLAT: f64 = 1e-10;
 /// With fewer pixels whose neighbours all count, the noise is taken from the residuals themselves.
 const FEWEST_LAPLACIANS: i32 = 100;
 
@@ -46,7 +48,8 @@ impl<'a> Observed<'a> {
         self.pixels.len()
     }
 
-    /// Gain and veil that fit `image` best, given or by linear least squares, and the inverse normal matrix.
+    /// Gain and veil that fit `image` best, given or by linear least squares, and the inverse normal matrix: NaN if
+    /// a flat image cannot tell the two apart.
     fn expose(&self, image: &Image) -> (Vector2<f64>, Matrix2<f64>) {
         let mut sums = [0.0; 5];
         for &(i, y) in &self.pixels {
@@ -62,7 +65,11 @@ impl<'a> Observed<'a> {
             }
             (Gain::Fixed(gain), _) => (Vector2::new(gain, fixed_veil), Matrix2::zeros()),
             (Gain::Free, VeilTerm::Free) => {
-                let inverse = Matrix2::new(mm, m, m, n).try_inverse().unwrap_or_else(Matrix2::zeros);
+                let variance = mm - m * m / n;
+                if variance <= FLAT * mm {
+                    return (Vector2::new(1.0, (y - m) / n), Matrix2::repeat(f64::NAN));
+                }
+                let inverse = Matrix2::new(n, -m, -m, mm) / (n * variance);
                 (inverse * Vector2::new(my, y), inverse / w)
             }
             (Gain::Free, _) if mm > 0.0 => {
@@ -98,7 +105,7 @@ impl<'a> Observed<'a> {
         };
         let level =
             self.pixels.iter().map(|&(_, y)| f64::from(y).powi(2)).sum::<f64>() / self.pixels() as f64;
-        variance.sqrt().max(RENDER_ERROR * level.sqrt()).max(f64::MIN_POSITIVE.sqrt())
+        variance.sqrt().max(RENDER_ERROR * level.sqrt()).max(1e-30)
     }
 
     /// ½ chi² of a rendered image.
@@ -139,14 +146,16 @@ impl<'a> Observed<'a> {
             .into_iter()
             .fold(Sums::default(), Sums::plus);
         let w = 1.0 / (self.noise * self.noise);
-        let coupling = -inverse * lj * w;
+        let told_apart = inverse.iter().all(|v| v.is_finite());
+        let projection = if told_apart { inverse } else { Matrix2::zeros() };
+        let coupling = -projection * lj * w;
         // The residual is already orthogonal to free gain and veil, so the gradient needs no correction.
         NormalEquations {
             cost: 0.5 * rr * w,
             pixels: self.pixels.len(),
             signal: yy * w,
             gradient: jr * w,
-            matrix: jj * w - lj.transpose() * inverse * lj * (w * w),
+            matrix: jj * w - lj.transpose() * projection * lj * (w * w),
             diagonal: jj.diagonal() * w,
             linear: vec![Linear { gain: exposure[0], veil: exposure[1], chi2: rr * w, inverse, coupling }],
         }

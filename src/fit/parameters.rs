@@ -43,7 +43,10 @@ impl Parameters {
             if i < 2 {
                 bounds[i] = bounds[i].map(|v| v / median_z);
             }
-            bounds[i] = options.bounds[i].unwrap_or(bounds[i]);
+            // The default bounds give way to a start that the user wants.
+            let [low, high] = bounds[i];
+            let start = options.start[i].filter(|s| s.is_finite()).unwrap_or(low);
+            bounds[i] = options.bounds[i].unwrap_or([low.min(start), high.max(start)]);
             let [low, high] = bounds[i];
             if let Some(value) = options.fixed[i] {
                 let ok = value.is_finite() && if i == 2 { value > 0.0 } else { value >= 0.0 };

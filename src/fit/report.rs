@@ -1,11 +1,12 @@
 //! The result of a fit as users read it: `fit.json`, and the table on the terminal.
 
 use super::uncertainty::{Status, Z95};
-use super::{ChannelFit, NAMES, Settings};
+use super::{ChannelFit, MISFIT, NAMES, Settings};
 use crate::filter::Filter;
+use crate::filter::cpu::CUT;
 use crate::medium::Medium;
 use crate::phase::{Gaussian, PhaseFunction};
-use crate::spread::{Model, SMALL_ANGLE_LIMIT};
+use crate::spread::{Model, SMALL_ANGLE_LIMIT, small_angle_error};
 use nalgebra::Vector3;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -133,9 +134,6 @@ impl FitReport {
     }
 }
 
-/// Reduced chi² above which a fit is said not to describe the image: half as much misfit as noise.
-const MISFIT: f64 = 1.5;
-
 /// Five significant digits.
 fn significant(v: f64) -> String {
     if v == 0.0 {
@@ -234,13 +232,20 @@ fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warning> {
             format!("the data do not determine {}: {}", names.join(" and "), why(fit, &lost, model)),
         );
     }
+    if fit.cut {
+        warn("kernel_cut", format!("{CUT}{suffix}"));
+    }
+    if !fit.settled {
+        let message = "the noise of the scenes or the depth slices of the render did not settle";
+        warn("not_settled", format!("{message}{suffix}"));
+    }
     if fit.reduced_chi2 > MISFIT {
         warn(
             "misfit",
             format!(
-                "reduced chi²{suffix} is {:.2}: the image is not what {model} makes of this scene; the noise may be \
+                "reduced chi²{suffix} is {}: the image is not what {model} makes of this scene; the noise may be \
                  more than stated, the geometry or the object wrong, or the scenes' media different",
-                fit.reduced_chi2
+                significant(fit.reduced_chi2)
             ),
         );
     }
@@ -251,10 +256,7 @@ fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warning> {
         .map(|&i| format!("{}{suffix}", NAMES[i]))
         .collect();
     if !pressed.is_empty() {
-        warn(
-            "at_bound",
-            format!("{} lies on its bound, so the interval is cut there", pressed.join(" and ")),
-        );
+        warn("at_bound", format!("on a bound, where the interval is cut: {}", pressed.join(", ")));
     }
     let [sigma_s, _, b] = fit.parameters.values();
     let validity = sigma_s * fit.median_z * 4.0 * b;
@@ -263,9 +265,8 @@ fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warning> {
             "outside_validity",
             format!(
                 "tau·4B{suffix} = {validity:.3} is above {SMALL_ANGLE_LIMIT}: {model} rests on small angles, whose \
-                 transfer function is off by about {:.1} % here; the residual does not show it, and the intervals \
-                 leave it out",
-                19.0 * validity
+                 transfer function is off by {} here; the residual does not show it, and the intervals leave it out",
+                small_angle_error(validity)
             ),
         );
     }
@@ -278,8 +279,8 @@ fn why(fit: &ChannelFit, lost: &[usize], model: Model) -> &'static str {
     if !model.spreads() {
         "direct light alone shows only sigma_t; fix sigma_s or sigma_a, or use a model that spreads light"
     } else if lost == [1] && free_gain {
-        "with a free gain, absorption and exposure cannot be told apart at one depth; give the gain or add a scene \
-         at another depth"
+        "with a free gain of its own, a scene at one depth cannot tell absorption from exposure; give the gain of one \
+         scene, or use an object that spans depths"
     } else if lost.contains(&0) && lost.contains(&2) {
         "they trade against each other; only sigma_s·B (derived.sigma_s_b) may be known; a second depth, a sharper \
          object or less noise would part them"

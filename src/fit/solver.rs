@@ -123,7 +123,10 @@ impl LevenbergMarquardt {
         let step = solve(&damped, &downhill);
         let longest = (0..3).step_by(2).map(|i| step[i].abs()).fold(0.0, f64::max);
         let step = if longest > LONGEST_STEP { step * (LONGEST_STEP / longest) } else { step };
-        Vector3::from_fn(|i, _| (u[i] + step[i]).clamp(self.bounds[i][0], self.bounds[i][1]) - u[i])
+        let [low, high] = [0, 1].map(|end| Vector3::from_fn(|i, _| self.bounds[i][end]));
+        // A held sigma_s may be 0, whose logarithm no step must touch.
+        let moved = |i: usize| (u[i] + step[i]).clamp(low[i], high[i]) - u[i];
+        Vector3::from_fn(|i, _| if self.held[i] { 0.0 } else { moved(i) })
     }
 
     fn stop(&mut self, reason: TerminationReason) {
@@ -241,7 +244,7 @@ impl CostFunction for Simplex<'_> {
     }
 }
 
-/// Spread of the simplex' costs, relative to the cost, at which it has converged.
+/// Spread of the simplex' costs, relative to the cost at the start, at which it has converged.
 const SIMPLEX_CONVERGED: f64 = 1e-10;
 /// Iterations of the simplex for each that Levenberg-Marquardt would be given.
 const SIMPLEX_ITERATIONS: u64 = 10;
@@ -252,8 +255,9 @@ fn run_nelder_mead(problem: Problem, max_iterations: u64) -> Result<Outcome> {
     let bounds = parameters.internal_bounds();
     let free: Vec<usize> = (0..3).filter(|&i| !parameters.is_fixed(i)).collect();
     let first: Vec<f64> = free.iter().map(|&i| start[i]).collect();
-    // A quarter in the logarithms; sigma_a by a quarter of sigma_s, the natural scale at hand.
-    let edge = |i: usize| if i == 1 { 0.25 * start[0].exp() } else { 0.25 };
+    // A quarter in the logarithms; sigma_a by a quarter of sigma_t, the natural scale at hand.
+    let edge =
+        |i: usize| if i == 1 { 0.25 * (start[0].exp() + start[1]).max(1e-3 * bounds[1][1]) } else { 0.25 };
     let corner = |(n, &i): (usize, &usize)| {
         let mut corner = first.clone();
         let inward = if corner[n] + edge(i) > bounds[i][1] { -1.0 } else { 1.0 };

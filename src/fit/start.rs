@@ -83,6 +83,22 @@ pub(super) fn choose(
     Ok(renders)
 }
 
+/// Widths of kernels wider than the view to begin from where narrower ones failed, in views.
+pub(super) const BEYOND_THE_VIEW: [f64; 2] = [0.7, 2.5];
+
+/// Begins from a kernel of `width` views, and light dimmed half by scattering out of the view, half by absorption;
+/// renders nothing.
+pub(super) fn place(parameters: &mut Parameters, data: &[Datum], width: f64, median_z: f64) -> u64 {
+    let splits: Vec<Split> = data.iter().map(|d| Split::of(d, median_z)).collect();
+    let dimmed = splits.iter().map(|s| s.sigma_s + s.sigma_a).sum::<f64>() / splits.len() as f64;
+    let geometry = data[0].target.geometry;
+    let view = data[0].target.view.width.min(data[0].target.view.height) as f64;
+    parameters.set(0, 0.5 * dimmed);
+    parameters.set(1, 0.5 * dimmed);
+    parameters.set(2, (width * view * geometry.median_pixel_pitch() / median_z).powi(2));
+    0
+}
+
 /// Most that absorption may dim the first guess further.
 const DARKEST: f64 = 1e3;
 
@@ -129,7 +145,7 @@ impl Split {
             Gain::Fixed(gain) => gain,
             Gain::Free => 1.0,
         };
-        let level = (level_ratio(datum) / gain).max(1e-6);
+        let level = (level_ratio(datum) / gain).clamp(1e-6, 1e6);
         let direct = detail_ratio(datum).map_or(0.4 * level, |d| (d / gain).clamp(1e-6, level));
         let tau = (level / direct).ln().clamp(TAU.0, TAU.1);
         // With a free gain the level says nothing of the absorption.
@@ -185,7 +201,8 @@ fn level_ratio(datum: &Datum) -> f64 {
     let mean =
         |f: fn(&(f64, f64)) -> f64, of: &[(f64, f64)]| of.iter().map(f).sum::<f64>() / of.len().max(1) as f64;
     if !matches!(datum.veil, VeilTerm::Free) {
-        return (mean(|p| p.1, &pairs) - known_veil) / mean(|p| p.0, &pairs).max(f64::MIN_POSITIVE);
+        let object = mean(|p| p.0, &pairs);
+        return if object > 0.0 { (mean(|p| p.1, &pairs) - known_veil) / object } else { 1.0 };
     }
     let blocks: Vec<(f64, f64)> =
         pairs.chunks((pairs.len() / 64).max(1)).map(|c| (mean(|p| p.0, c), mean(|p| p.1, c))).collect();

@@ -17,6 +17,9 @@ pub struct Gaussian {
     peak: f64,
 }
 
+/// Widest lobe, rad²: scattering is isotropic to a percent, and the sampler still accepts one draw in eighty.
+const WIDEST: f64 = 100.0;
+
 /// Below this x, F(x) and its derivative are summed as series: the closed forms cancel.
 const SERIES_BELOW: f64 = 0.1;
 
@@ -49,9 +52,9 @@ impl Gaussian {
     /// The Gaussian phase function of width `b`, rad².
     ///
     /// # Errors
-    /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless `b` is finite and above 0.
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless `b` is above 0 and at most 100 rad².
     pub fn new(b: f64) -> Result<Self> {
-        let b = in_range("b", b, b.is_finite() && b > 0.0, "finite and above 0 (rad²)")?;
+        let b = in_range("b", b, b > 0.0 && b <= WIDEST, "above 0 and at most 100 (rad²)")?;
         // The lobe is smooth on the scale of its own width; beyond ten widths it holds exp(-100).
         let end = PI.min(20.0 * b.sqrt());
         let lobe = integrate(0.0, end, 8, |theta| (-theta * theta / (4.0 * b)).exp() * theta.sin());

@@ -27,7 +27,11 @@ fn channel_options(source: &Source, section: &FitSection, i: usize, channels: us
             channel_value(source, &key, numbers, i, channels)?.map(|v| check(&key, v)).transpose()
         };
         options.start[p] = value("start", start[p])?;
-        options.fixed[p] = value("fixed", fixed[p])?;
+        // A parameter that is held may be 0 even if its logarithm would be fitted; B has no kernel at 0.
+        let key = format!("[fit] fixed {name}");
+        let held = channel_value(source, &key, fixed[p], i, channels)?;
+        let allowed = |v| if name == "b" { source.positive(&key, v) } else { source.non_negative(&key, v) };
+        options.fixed[p] = held.map(allowed).transpose()?;
 
         let key = format!("[fit] bounds {name}");
         options.bounds[p] = match bounds[p] {

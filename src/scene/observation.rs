@@ -88,7 +88,16 @@ pub(super) fn read_observation(
         image.iter_mut().for_each(|channel| blank(channel, mask));
     }
     for channel in &image {
-        check_pixels(&path, channel, "finite where the mask does not exclude it", f32::is_finite)?;
+        check_pixels(&path, channel, "finite where the mask does not exclude it, at most 1e30", |v| {
+            v.abs() <= 1e30
+        })?;
+    }
+    for channel in &image {
+        let counted = |i: &usize| mask.as_ref().is_none_or(|m| m.data[*i] > 0.0);
+        if (0..channel.image.data.len()).filter(counted).all(|i| channel.image.data[i] == 0.0) {
+            let what = format!("{}: channel {} is black wherever it counts", path.display(), channel.name);
+            return Err(Error::NothingToFit(what));
+        }
     }
     let noise = section.noise.map(|v| source.positive("[observation] noise", v)).transpose()?;
     let gain = match section.gain {

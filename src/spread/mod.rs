@@ -81,17 +81,21 @@ pub trait SpreadKernel: Send + Sync {
     /// Radius beyond which less than the share `outside` of the scattered light falls, to a few percent; 0 if
     /// nothing is scattered.
     fn support(&self, outside: f64) -> f64 {
-        let wanted = (1.0 - outside) * self.scattered();
-        let mut radius = self.width();
-        while self.encircled_energy(radius) < wanted {
-            radius *= 1.1;
+        let scattered = self.scattered();
+        if scattered < NO_LIGHT {
+            return 0.0;
         }
-        radius
+        let radii = (0..500).map(|i| self.width() * 1.1_f64.powi(i));
+        let enough = |r: &f64| self.encircled_energy(*r) >= (1.0 - outside) * scattered;
+        radii.clone().find(enough).or(radii.last()).expect("there are radii")
     }
 
     /// The length on which the kernel varies: z sqrt(B) where light is scattered once; 0 for a kernel without spread.
     fn width(&self) -> f64;
 }
+
+/// A share of light too small for its parts to be told from rounding.
+const NO_LIGHT: f64 = 1e-250;
 
 /// A rung of the ladder of spread models.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -113,6 +117,12 @@ pub enum Model {
 /// Largest tau·4B at which small-angle theory holds to 1 % of the transfer function: max|dM| ≈ .19 tau·4B,
 /// measured against photon tracing.
 pub const SMALL_ANGLE_LIMIT: f64 = 0.05;
+
+/// The error of small-angle theory at tau·4B = `validity` in words, from that measurement.
+pub fn small_angle_error(validity: f64) -> String {
+    // Beyond, the linear law ends: the error approaches the whole of the scattered light.
+    if validity < 1.0 { format!("about {:.1} %", 19.0 * validity) } else { "more than 20 %".into() }
+}
 
 impl Model {
     /// All models, cheapest first.

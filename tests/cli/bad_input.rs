@@ -169,3 +169,35 @@ fn unknown_names_and_bare_usage() {
         assert_eq!(run.code, 2, "{arguments}: {}", run.stderr);
     }
 }
+
+#[test]
+fn a_black_observation() {
+    let shop = sound();
+    shop.put("observed.exr", &[("Y", Image::filled(SIDE, SIDE, 0.0))]);
+    refused(&shop, &["observed.exr", "black"]);
+}
+
+#[test]
+fn a_radiance_beyond_what_can_be_summed() {
+    object_refused(|o| o.data[9] = 3e38, &["object.exr", "(9, 0)"]);
+}
+
+#[test]
+fn coefficients_beyond_what_can_be_traced() {
+    let shop = sound();
+    for option in ["--sigma-s 1e39", "--b 1e6", "--sigma-a inf"] {
+        let run = shop.run(&format!("trace scene.toml {option} --samples 4 --output out.exr"));
+        assert_eq!(run.code, 2, "{option}: {}", run.stderr);
+        assert!(!shop.file("out.exr").exists());
+    }
+}
+
+#[test]
+fn an_output_that_is_a_directory_is_found_before_anything_is_written() {
+    let shop = sound();
+    std::fs::create_dir_all(shop.file("result/fit.json")).unwrap();
+    let run = shop.run("fit scene.toml --out result");
+    assert_eq!(run.code, 2);
+    assert!(run.stderr.contains("fit.json"), "{}", run.stderr);
+    assert_eq!(std::fs::read_dir(shop.file("result")).unwrap().count(), 1);
+}

@@ -206,3 +206,24 @@ fn what_is_not_built_yet_is_said_with_code_2() {
     }
     assert_eq!(shop.run("fit scene.toml --model auto --filter auto --backend auto --out result").code, 0);
 }
+
+#[test]
+fn sigma_s_may_be_held_at_zero() {
+    let shop = Workshop::new();
+    shop.observe(&SCENE.replace("sigma_s = 0.8", "sigma_s = 0.0"));
+    shop.write("scene.toml", &format!("{SCENE}[fit]\nfixed = {{ sigma_s = 0.0 }}\n"));
+    for solver in ["levenberg-marquardt", "nelder-mead"] {
+        let run = shop.run(&format!("fit scene.toml --model beer-lambert --solver {solver} --out result"));
+        assert_eq!(run.code, 0, "{solver}: {}", run.stderr);
+        near(&report(&shop, "result")["parameters"]["sigma_a"]["value"], 0.1, 1e-4);
+    }
+}
+
+#[test]
+fn an_image_that_is_not_of_this_scene_is_warned_of() {
+    let shop = Workshop::new();
+    shop.observe(SCENE);
+    shop.put("object.exr", &[("Y", texture(4))]);
+    let run = shop.run("fit scene.toml --out result");
+    assert!(codes(&report(&shop, "result")).contains(&"misfit"), "{}", run.stderr);
+}

@@ -44,3 +44,23 @@ fn a_failed_render_leaves_the_old_file() {
     assert_eq!(shop.run("render scene.toml --sigma-s -1 --output out.exr").code, 2);
     assert_eq!(std::fs::read_to_string(shop.file("out.exr")).unwrap(), "precious");
 }
+
+#[test]
+fn an_opaque_medium_renders_black() {
+    let shop = Workshop::new();
+    shop.write("scene.toml", SCENE);
+    for sigma_a in ["371.5", "372", "1e6"] {
+        let run = shop.run(&format!("render scene.toml --sigma-a {sigma_a} --output out.exr"));
+        assert_eq!(run.code, 0, "{sigma_a}: {}", run.stderr);
+        assert!(mean(&shop, "out.exr").abs() < 1e-30);
+    }
+}
+
+#[test]
+fn a_kernel_cut_by_the_padding_is_warned_of() {
+    let shop = Workshop::new();
+    shop.write("scene.toml", &SCENE.replace("pixel_pitch = 0.03", "pixel_pitch = 0.00003"));
+    let run = shop.run("render scene.toml --output out.exr");
+    assert_eq!(run.code, 0);
+    assert!(run.stderr.contains("kernel_cut"), "{}", run.stderr);
+}

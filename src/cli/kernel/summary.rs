@@ -2,7 +2,7 @@
 
 use super::Setting;
 use crate::compare::{MEDIAN_RADII, worst_encircled_error};
-use crate::spread::{Model, SMALL_ANGLE_LIMIT, SpreadKernel, second_moments};
+use crate::spread::{Model, SMALL_ANGLE_LIMIT, SpreadKernel, second_moments, small_angle_error};
 use crate::trace::{Estimate, RadialProfile};
 use std::fmt::Write;
 
@@ -29,13 +29,12 @@ fn head(out: &mut String, setting: &Setting, traced: Option<&RadialProfile>) -> 
     let tau = medium.tau(z);
     writeln!(out, "tau {tau:.4}, optical depth {:.4}, albedo {:.4}", medium.sigma_t() * z, medium.albedo())?;
     let validity = tau * 4.0 * phase.b();
-    let percent = validity / SMALL_ANGLE_LIMIT;
     let verdict = if validity <= SMALL_ANGLE_LIMIT {
         format!("not above {SMALL_ANGLE_LIMIT}: small-angle theory holds to 1 % of the transfer function")
     } else {
         format!(
-            "above {SMALL_ANGLE_LIMIT}: expect small-angle theory to be off by about {percent:.0} % in the transfer \
-             function"
+            "above {SMALL_ANGLE_LIMIT}: small-angle theory is off by {} in the transfer function",
+            small_angle_error(validity)
         )
     };
     writeln!(out, "tau·4B {validity:.4}, {verdict}")?;
