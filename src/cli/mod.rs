@@ -54,9 +54,13 @@ pub fn main() -> ExitCode {
         Command::Kernel(arguments) => kernel::run(&arguments),
     };
     done.unwrap_or_else(|error| {
-        eprintln!("narrowbeam: {error:#}");
+        eprintln!("narrowbeam: {error}");
         match error.downcast_ref::<Error>() {
             Some(ours) if ours.is_usage() => ExitCode::from(USAGE),
+            Some(Error::Write { .. }) => {
+                eprintln!("free some space, or write elsewhere, and run the same command again");
+                ExitCode::FAILURE
+            }
             _ => ExitCode::FAILURE,
         }
     })
