@@ -54,7 +54,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
         };
         let filter = CpuFilter::new(target, &optics, 1.0)?;
         let image = filter.render(&optics)?;
-        cut |= filter.is_cut(&optics)?;
+        cut |= filter.coverage(&optics)?.cut;
         channels.push(Channel { name: object.name.clone(), image });
     }
     drop(progress);

@@ -7,7 +7,7 @@
 use super::fft2::{Fft2, fast_size};
 use super::footprint::sinc2;
 use super::slices::{Slices, pixel_node};
-use super::tables::{AliasTable, Lanes, RadialTable};
+use super::tables::{AliasTable, Basis, Lanes, RadialTable};
 use super::{Optics, Target};
 use crate::error::Result;
 use crate::geometry::Field;
@@ -26,15 +26,25 @@ pub struct Rendering {
     pub gradient: Option<[Image; 3]>,
 }
 
+/// How far a plan serves some kernels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Coverage {
+    /// Whether its slices suffice, and its padding as far as any would.
+    pub served: bool,
+    /// Whether the kernels reach beyond the most padding there is, so that light that should leave the image comes
+    /// back on its other side.
+    pub cut: bool,
+}
+
 /// Share of a kernel's light that may fall beyond the padding.
 const OUTSIDE: f64 = 1e-5;
 /// Largest error of the slices' transfer functions, as a share of the scattered light.
 const SLICE_TOLERANCE: f64 = 1e-4;
-/// What to tell a user of [`CpuFilter::is_cut`].
+/// What to tell a user of [`Coverage::cut`].
 pub const CUT: &str = "the kernel reaches beyond the most padding there is: light that should leave the image comes \
                        back on its other side; use fewer pixels for the same scene, or a mirrored border";
 /// Padding stops at this size of the padded image, or at two image sides if that is more, which bounds memory; what
-/// a kernel throws farther comes back on the other side, see [`CpuFilter::is_cut`].
+/// a kernel throws farther comes back on the other side, see [`Coverage::cut`].
 const MOST_PADDED_PX: usize = 4096;
 
 /// A target prepared for many renders.
@@ -73,22 +83,17 @@ impl<'a> CpuFilter<'a> {
         Self { target, reach_px, slices, fft, margin, spectra, axes, depths }
     }
 
-    /// Whether the padding and the slices serve the kernels of `optics` too.
+    /// How far padding and slices serve the kernels of `optics` too.
     ///
     /// # Errors
     /// As [`Optics::kernel`].
-    pub fn serves(&self, optics: &Optics) -> Result<bool> {
-        Ok(reach_px(&self.slices, optics)?.min(most_reach(&self.target)) <= self.reach_px
-            && self.slices.error(&self.target, optics)? <= SLICE_TOLERANCE)
-    }
-
-    /// Whether the kernels of `optics` reach beyond the most padding there is, so that light that should leave the
-    /// image comes back on its other side.
-    ///
-    /// # Errors
-    /// As [`Optics::kernel`].
-    pub fn is_cut(&self, optics: &Optics) -> Result<bool> {
-        Ok(self.target.border != Border::Mirror && reach_px(&self.slices, optics)? > most_reach(&self.target))
+    pub fn coverage(&self, optics: &Optics) -> Result<Coverage> {
+        let (reach, most) = (reach_px(&self.slices, optics)?, most_reach(&self.target));
+        Ok(Coverage {
+            served: reach.min(most) <= self.reach_px
+                && self.slices.error(&self.target, optics)? <= SLICE_TOLERANCE,
+            cut: self.target.border != Border::Mirror && reach > most,
+        })
     }
 
     /// Number of slices.
@@ -218,7 +223,7 @@ impl<'a> CpuFilter<'a> {
 struct Axis {
     w: Vec<f64>,
     sinc2: Vec<f32>,
-    basis: Vec<[f32; 8]>,
+    basis: Vec<Basis>,
 }
 
 impl Axis {

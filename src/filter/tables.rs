@@ -13,6 +13,9 @@ const NODES: usize = 8;
 /// Aliases summed one by one on each side of the baseband.
 const REACH: i32 = 6;
 
+/// Weights of the nodes along one axis at one frequency.
+pub type Basis = [f32; NODES];
+
 /// Value and derivatives in sigma_s, sigma_a, B, side by side for the fast path.
 pub type Lanes = [f32; 4];
 
@@ -45,7 +48,7 @@ impl AliasTable {
     }
 
     /// The table along the line of constant wx whose basis values are `basis_x`.
-    pub fn line(&self, basis_x: &[f32; NODES]) -> AliasLine {
+    pub fn line(&self, basis_x: &Basis) -> AliasLine {
         let mut line = [[0.0; 4]; NODES];
         for (weight, values) in basis_x.iter().zip(&self.values) {
             for (sum, value) in line.iter_mut().zip(values) {
@@ -56,7 +59,7 @@ impl AliasTable {
     }
 
     /// Basis values at the frequencies 2 pi i / `n`, i = 0..=n/2.
-    pub fn basis(n: usize) -> Vec<[f32; NODES]> {
+    pub fn basis(n: usize) -> Vec<Basis> {
         let nodes = Chebyshev::new(NODES, 0.0, PI);
         let at = |i: usize| {
             let weights = nodes.basis(2.0 * PI * i as f64 / n as f64);
@@ -73,7 +76,7 @@ pub struct AliasLine {
 
 impl AliasLine {
     /// The alias part where the basis along y is `basis_y`.
-    pub fn at(&self, basis_y: &[f32; NODES]) -> Lanes {
+    pub fn at(&self, basis_y: &Basis) -> Lanes {
         let mut sum = [0.0; 4];
         for (weight, value) in basis_y.iter().zip(&self.line) {
             accumulate(&mut sum, *weight, value);

@@ -83,7 +83,7 @@ pub struct ChannelFit {
     pub converged: bool,
     /// Whether the noise of the scenes and the planning of the renders settled.
     pub settled: bool,
-    /// Whether the kernels reach beyond the padding, [`CpuFilter::is_cut`].
+    /// Whether the kernels reach beyond the padding, [`Coverage::cut`](crate::filter::cpu::Coverage).
     pub cut: bool,
     /// Why it stopped.
     pub stop: String,
@@ -140,10 +140,11 @@ fn fit_from(
     let scenes: Vec<&Geometry> = data.iter().map(|d| d.target.geometry).collect();
     let median_z = median_path_length(&scenes);
     let mut parameters = Parameters::new(options, settings.model, median_z)?;
-    let mut evaluations = match width {
-        None => start::choose(&mut parameters, options, data, &observed, settings, median_z)?,
+    let mut evaluations = 0;
+    match width {
+        None => evaluations += start::choose(&mut parameters, options, data, &observed, settings, median_z)?,
         Some(width) => start::place(&mut parameters, data, width, median_z),
-    };
+    }
     let start = parameters.values();
     let unknown_noise = data.iter().any(|d| d.noise.is_none());
     let mut iterations = 0;
@@ -171,8 +172,9 @@ fn fit_from(
         let (served, cut) = with_optics(&parameters, settings.model, |optics| {
             let (mut served, mut cut) = (true, false);
             for filter in &filters {
-                served &= filter.serves(optics)?;
-                cut |= filter.is_cut(optics)?;
+                let coverage = filter.coverage(optics)?;
+                served &= coverage.served;
+                cut |= coverage.cut;
             }
             Ok((served, cut))
         })?;

@@ -48,15 +48,21 @@ impl<'a> Observed<'a> {
         self.pixels.len()
     }
 
-    /// Gain and veil that fit `image` best, given or by linear least squares, and the inverse normal matrix: NaN if
-    /// a flat image cannot tell the two apart.
-    fn expose(&self, image: &Image) -> (Vector2<f64>, Matrix2<f64>) {
+    /// Sums of m², m y, y², m and y over the pixels, of an image m and the observation y.
+    fn sums(&self, image: &Image) -> [f64; 5] {
         let mut sums = [0.0; 5];
         for &(i, y) in &self.pixels {
             let (m, y) = (f64::from(image.data[i as usize]), f64::from(y));
-            sums = [sums[0] + m * m, sums[1] + m, sums[2] + m * y, sums[3] + y, sums[4] + 1.0];
+            sums = [sums[0] + m * m, sums[1] + m * y, sums[2] + y * y, sums[3] + m, sums[4] + y];
         }
-        let [mm, m, my, y, n] = sums;
+        sums
+    }
+
+    /// Gain and veil that fit `image` best, given or by linear least squares, and the inverse normal matrix: NaN if
+    /// a flat image cannot tell the two apart.
+    fn expose(&self, image: &Image) -> (Vector2<f64>, Matrix2<f64>) {
+        let [mm, my, _, m, y] = self.sums(image);
+        let n = self.pixels.len() as f64;
         let w = 1.0 / (self.noise * self.noise);
         let fixed_veil = 0.0;
         match (self.datum.gain, self.datum.veil) {
@@ -120,12 +126,7 @@ impl<'a> Observed<'a> {
 
     /// The sums of m², m y and y² over noise², of an image m and the observation y; a free veil is taken off both.
     pub(super) fn products(&self, image: &Image) -> [f64; 3] {
-        let mut sums = [0.0; 5];
-        for &(i, y) in &self.pixels {
-            let (m, y) = (f64::from(image.data[i as usize]), f64::from(y));
-            sums = [sums[0] + m * m, sums[1] + m * y, sums[2] + y * y, sums[3] + m, sums[4] + y];
-        }
-        let [mm, my, yy, m, y] = sums;
+        let [mm, my, yy, m, y] = self.sums(image);
         let n =
             if matches!(self.datum.veil, VeilTerm::Free) { self.pixels.len() as f64 } else { f64::INFINITY };
         let w = 1.0 / (self.noise * self.noise);

@@ -62,8 +62,9 @@ pub fn check_scenes(scenes: &[Scene], settings: &Settings) -> Result<()> {
         return Err(Error::Scene { path: scene.path.clone(), message: wrong });
     }
     let depths: Vec<&Geometry> = scenes.iter().map(|s| &s.geometry).collect();
+    let median_z = median_path_length(&depths);
     for options in &first.fit {
-        Parameters::new(options, settings.model, median_path_length(&depths))?;
+        Parameters::new(options, settings.model, median_z)?;
     }
     Ok(())
 }

@@ -32,9 +32,7 @@ pub(super) fn choose(
     settings: &Settings,
     median_z: f64,
 ) -> Result<u64> {
-    let splits: Vec<Split> = data.iter().map(|d| Split::of(d, median_z)).collect();
-    let mean = |f: fn(&Split) -> f64| splits.iter().map(f).sum::<f64>() / splits.len() as f64;
-    let (sigma_s, sigma_a) = (mean(|s| s.sigma_s), mean(|s| s.sigma_a));
+    let Split { sigma_s, sigma_a } = Split::mean(data, median_z);
     let open: [bool; 3] = std::array::from_fn(|i| options.start[i].is_none() && !parameters.is_fixed(i));
     let model = settings.model;
     let (scan_depth, scan_width) = (open[0] && model.spreads(), open[2]);
@@ -46,15 +44,15 @@ pub(super) fn choose(
     if !scan_width && !scan_depth {
         return Ok(0);
     }
-    let narrowest = |d: &Datum| d.target.view.width.min(d.target.view.height) as f64;
-    let pitch = |d: &Datum| d.target.geometry.median_pixel_pitch();
-    let width_of = |share: f64| share * narrowest(&data[0]) * pitch(&data[0]) / median_z;
-    let widths: Vec<f64> =
-        if scan_width { WIDTHS.map(|w| width_of(w).powi(2)).to_vec() } else { vec![parameters.values()[2]] };
+    let widths: Vec<f64> = if scan_width {
+        WIDTHS.map(|share| b_of_view_share(share, &data[0], median_z)).to_vec()
+    } else {
+        vec![parameters.values()[2]]
+    };
     let depths: &[f64] = if scan_depth { &DEPTHS } else { &[1.0] };
     let filters: Vec<CpuFilter> = data
         .iter()
-        .map(|d| CpuFilter::with_slices(d.target, Slices::new(&d.target, SLICES), 0.5 * narrowest(d)))
+        .map(|d| CpuFilter::with_slices(d.target, Slices::new(&d.target, SLICES), 0.5 * view_side_px(d)))
         .collect();
     let first = parameters.clone();
     let mut best = f64::INFINITY;
@@ -86,17 +84,23 @@ pub(super) fn choose(
 /// Widths of kernels wider than the view to begin from where narrower ones failed, in views.
 pub(super) const BEYOND_THE_VIEW: [f64; 2] = [0.7, 2.5];
 
-/// Begins from a kernel of `width` views, and light dimmed half by scattering out of the view, half by absorption;
-/// renders nothing.
-pub(super) fn place(parameters: &mut Parameters, data: &[Datum], width: f64, median_z: f64) -> u64 {
-    let splits: Vec<Split> = data.iter().map(|d| Split::of(d, median_z)).collect();
-    let dimmed = splits.iter().map(|s| s.sigma_s + s.sigma_a).sum::<f64>() / splits.len() as f64;
-    let geometry = data[0].target.geometry;
-    let view = data[0].target.view.width.min(data[0].target.view.height) as f64;
+/// Begins from a kernel of `width` views, and light dimmed half by scattering out of the view, half by absorption.
+pub(super) fn place(parameters: &mut Parameters, data: &[Datum], width: f64, median_z: f64) {
+    let Split { sigma_s, sigma_a } = Split::mean(data, median_z);
+    let dimmed = sigma_s + sigma_a;
     parameters.set(0, 0.5 * dimmed);
     parameters.set(1, 0.5 * dimmed);
-    parameters.set(2, (width * view * geometry.median_pixel_pitch() / median_z).powi(2));
-    0
+    parameters.set(2, b_of_view_share(width, &data[0], median_z));
+}
+
+/// Smaller side of the view, px.
+fn view_side_px(datum: &Datum) -> f64 {
+    datum.target.view.width.min(datum.target.view.height) as f64
+}
+
+/// B of a kernel whose width z sqrt(B) is `share` of the view's smaller side.
+fn b_of_view_share(share: f64, datum: &Datum, median_z: f64) -> f64 {
+    (share * view_side_px(datum) * datum.target.geometry.median_pixel_pitch() / median_z).powi(2)
 }
 
 /// Most that absorption may dim the first guess further.
@@ -140,6 +144,12 @@ struct Split {
 }
 
 impl Split {
+    fn mean(data: &[Datum], median_z: f64) -> Self {
+        let splits: Vec<Split> = data.iter().map(|d| Split::of(d, median_z)).collect();
+        let mean = |f: fn(&Split) -> f64| splits.iter().map(f).sum::<f64>() / splits.len() as f64;
+        Self { sigma_s: mean(|s| s.sigma_s), sigma_a: mean(|s| s.sigma_a) }
+    }
+
     fn of(datum: &Datum, median_z: f64) -> Self {
         let gain = match datum.gain {
             Gain::Fixed(gain) => gain,

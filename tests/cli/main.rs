@@ -4,3 +4,6 @@ mod bad_input;
 mod fit;
 mod render;
 mod workshop;
+
+#[path = "../common/program.rs"]
+mod program;

@@ -1,9 +1,8 @@
 //! A folder with a scene, the program to run on it, and what it said.
 
-use narrowbeam::image::{Channel, Image};
-use narrowbeam::io::exr;
+use crate::program::{narrowbeam, write_exr};
+use narrowbeam::image::Image;
 use std::path::PathBuf;
-use std::process::Command;
 use tempfile::TempDir;
 
 /// Side of the test images, px.
@@ -44,9 +43,7 @@ impl Workshop {
     }
 
     pub fn put(&self, name: &str, channels: &[(&str, Image)]) {
-        let channel =
-            |(name, image): &(&str, Image)| Channel { name: name.to_string(), image: image.clone() };
-        exr::write(&self.file(name), &channels.iter().map(channel).collect::<Vec<_>>(), &[]).unwrap();
+        write_exr(&self.file(name), channels);
     }
 
     pub fn write(&self, name: &str, text: &str) {
@@ -55,11 +52,7 @@ impl Workshop {
 
     /// Runs the program in the folder.
     pub fn run(&self, arguments: &str) -> Run {
-        let output = Command::new(env!("CARGO_BIN_EXE_narrowbeam"))
-            .args(arguments.split_whitespace())
-            .current_dir(self.0.path())
-            .output()
-            .unwrap();
+        let output = narrowbeam(self.0.path(), &arguments.split_whitespace().collect::<Vec<_>>());
         let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
         Run {
             code: output.status.code().expect("ended by itself"),

@@ -1,5 +1,8 @@
-//! Running the program as users do.
+//! Running the program as users do, and the images it reads.
+#![allow(dead_code, reason = "each test binary uses its own part")]
 
+use narrowbeam::image::{Channel, Image};
+use narrowbeam::io::exr;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -26,4 +29,10 @@ pub fn refuses(dir: &Path, arguments: &[&str], words: &[&str]) {
     assert!(words.iter().all(|word| message.contains(word)), "{words:?} are not all in: {message}");
     assert!(output.stdout.is_empty(), "{arguments:?}");
     assert_eq!(files(), before, "{arguments:?} wrote something");
+}
+
+/// Writes an EXR file of named channels.
+pub fn write_exr(path: &Path, channels: &[(&str, Image)]) {
+    let channel = |(name, image): &(&str, Image)| Channel { name: name.to_string(), image: image.clone() };
+    exr::write(path, &channels.iter().map(channel).collect::<Vec<_>>(), &[]).unwrap();
 }

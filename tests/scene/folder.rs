@@ -1,7 +1,7 @@
 //! A folder with a small scene, sound until a test breaks it.
 
-use narrowbeam::image::{Channel, Image};
-use narrowbeam::io::exr;
+use crate::program::write_exr;
+use narrowbeam::image::Image;
 use narrowbeam::scene::{Purpose, Scene};
 use std::path::PathBuf;
 use tempfile::TempDir;
@@ -43,9 +43,7 @@ impl Folder {
     }
 
     pub fn put(&self, name: &str, channels: &[(&str, Image)]) {
-        let channel =
-            |(name, image): &(&str, Image)| Channel { name: name.to_string(), image: image.clone() };
-        exr::write(&self.file(name), &channels.iter().map(channel).collect::<Vec<_>>(), &[]).unwrap();
+        write_exr(&self.file(name), channels);
     }
 
     pub fn read(&self, text: &str, purpose: Purpose) -> Result<Scene, narrowbeam::Error> {

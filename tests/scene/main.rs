@@ -3,3 +3,6 @@
 mod bad_input;
 mod folder;
 mod rules;
+
+#[path = "../common/program.rs"]
+mod program;
