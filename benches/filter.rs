@@ -59,6 +59,7 @@ fn filter(c: &mut Criterion) {
         let (width, height) = (scene.radiance.width, scene.radiance.height);
         let target = Target {
             radiance: &scene.radiance,
+            behind: &[],
             geometry: &scene.geometry,
             border: Border::Zero,
             view: View::whole(width, height),

@@ -46,7 +46,8 @@ fn fit(c: &mut Criterion) {
         let radiance = scenes::texture(n, n);
         let geometry = Geometry::planar(n, n, PIXEL_PITCH, DEPTH).unwrap();
         let view = View::whole(n, n);
-        let target = Target { radiance: &radiance, geometry: &geometry, border: Border::Zero, view };
+        let target =
+            Target { radiance: &radiance, behind: &[], geometry: &geometry, border: Border::Zero, view };
         let observed = observed(target);
         let datum = Datum {
             target,

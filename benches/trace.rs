@@ -62,12 +62,20 @@ fn image(c: &mut Criterion) {
     let tilted = Image::from_fn(64, 64, |x, _| 0.8 + 0.4 * (x as f32 + 0.5) / 64.0);
     for (name, depth) in [("one plane", Field::Uniform(1.0)), ("depth map", Field::Map(tilted))] {
         let camera = Camera::orthographic(0.02).unwrap();
-        let geometry = Geometry { width: 64, height: 64, camera, depth, surface: Field::Uniform(0.0) };
+        let geometry = Geometry {
+            width: 64,
+            height: 64,
+            camera,
+            depth,
+            behind: Vec::new(),
+            surface: Field::Uniform(0.0),
+        };
         let medium = Medium::new(TAU, SIGMA_A).unwrap();
         let view = View::whole(64, 64);
         let config = ImageConfig {
             geometry: &geometry,
             radiance: &radiance,
+            behind: &[],
             border: Border::Clamp,
             view,
             medium,

@@ -101,6 +101,8 @@ pub struct Geometry {
     pub camera: Camera,
     /// Distance from the camera to the object along the ray; empty pixels are 0, negative, infinite or > 1e9.
     pub depth: Field,
+    /// The same for what is known to lie behind it, nearest first.
+    pub behind: Vec<Field>,
     /// Distance from the camera to the medium's surface along the ray.
     pub surface: Field,
 }
@@ -117,6 +119,7 @@ impl Geometry {
             height,
             camera: Camera::orthographic(pixel_pitch)?,
             depth: Field::Uniform(z),
+            behind: Vec::new(),
             surface: Field::Uniform(0.0),
         })
     }

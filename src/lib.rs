@@ -50,7 +50,7 @@
 //! let object = Image::from_fn(32, 32, |x, y| if (x / 5 + y / 7) % 2 == 0 { 0.9 } else { 0.2 });
 //! let geometry = Geometry::planar(32, 32, 0.05, 2.0)?;
 //! let view = View::whole(32, 32);
-//! let target = Target { radiance: &object, geometry: &geometry, border: Border::Mirror, view };
+//! let target = Target { radiance: &object, behind: &[], geometry: &geometry, border: Border::Mirror, view };
 //!
 //! // What the camera sees through a medium of sigma_s .9 and sigma_a .05 per metre, B .004 rad².
 //! let phase = Gaussian::new(0.004)?;

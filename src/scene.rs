@@ -24,6 +24,8 @@ pub struct Scene {
     pub path: PathBuf,
     /// Clear radiance of the object, one channel or R, G, B.
     pub object: Vec<Channel>,
+    /// For each of these channels, the clear radiance of each further layer, nearest first.
+    pub behind: Vec<Vec<Image>>,
     /// Camera, object distance, medium surface.
     pub geometry: Geometry,
     /// What lies outside the object image.

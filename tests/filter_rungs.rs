@@ -18,7 +18,7 @@ fn optics(model: Model, phase: &Gaussian) -> Optics<'_> {
 }
 
 fn target<'a>(radiance: &'a Image, geometry: &'a Geometry, border: Border) -> Target<'a> {
-    Target { radiance, geometry, border, view: View::whole(radiance.width, radiance.height) }
+    Target { radiance, behind: &[], geometry, border, view: View::whole(radiance.width, radiance.height) }
 }
 
 fn fast(target: &Target, optics: &Optics) -> Vec<f64> {
@@ -76,6 +76,7 @@ fn perspective(width: usize, height: usize) -> Geometry {
         height,
         camera: Camera::perspective(40.0).unwrap(),
         depth: Field::Map(Image::from_fn(width, height, depth)),
+        behind: Vec::new(),
         surface: Field::Map(Image::from_fn(width, height, |x, _| 0.3 + 0.005 * x as f32)),
     }
 }

@@ -27,6 +27,7 @@ fn made(geometry: Geometry, model: Model, [sigma_s, sigma_a, b]: [f64; 3]) -> Ma
     let optics = Optics { model, medium: Medium::new(sigma_s, sigma_a).unwrap(), phase: &phase };
     let target = Target {
         radiance: &object,
+        behind: &[],
         geometry: &geometry,
         border: Border::Zero,
         view: View::whole(geometry.width, geometry.height),
@@ -41,6 +42,7 @@ impl Made {
         Datum {
             target: Target {
                 radiance: &self.object,
+                behind: &[],
                 geometry: &self.geometry,
                 border: Border::Zero,
                 view: View::whole(self.object.width, self.object.height),

@@ -42,6 +42,7 @@ impl Setup {
         ImageConfig {
             geometry: &self.geometry,
             radiance: &self.radiance,
+            behind: &[],
             border: self.border,
             view: self.view,
             medium: self.medium,

@@ -43,6 +43,7 @@ impl Witness {
         let config = ImageConfig {
             geometry: &self.scene.geometry,
             radiance: &self.scene.object[0].image,
+            behind: &[],
             border: self.scene.border,
             view: self.scene.view,
             medium: Medium::new(sigma_s * factor, sigma_a).unwrap(),
@@ -62,6 +63,7 @@ impl Witness {
         let optics = Optics { model: Model::SmallAngle, medium, phase: &phase };
         let target = Target {
             radiance: &self.scene.object[0].image,
+            behind: &[],
             geometry: &self.scene.geometry,
             border: self.scene.border,
             view: self.scene.view,

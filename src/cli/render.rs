@@ -42,12 +42,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let progress = Progress::uncounted("rendering");
     let mut cut = false;
     let mut channels = Vec::new();
-    for (object, values) in scene.object.iter().zip(&media) {
+    for ((object, behind), values) in scene.object.iter().zip(&scene.behind).zip(&media) {
         let phase = Gaussian::new(values.b)?;
         let medium = Medium::new(values.sigma_s, values.sigma_a)?;
         let optics = Optics { model: arguments.model, medium, phase: &phase };
         let target = Target {
             radiance: &object.image,
+            behind,
             geometry: &scene.geometry,
             border: scene.border,
             view: scene.view,

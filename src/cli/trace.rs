@@ -45,6 +45,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         let config = ImageConfig {
             geometry: &scene.geometry,
             radiance: &object.image,
+            behind: &scene.behind[i],
             border: scene.border,
             view: scene.view,
             medium: Medium::new(values.sigma_s, values.sigma_a)?,

@@ -37,6 +37,8 @@ use std::str::FromStr;
 pub struct Target<'a> {
     /// Clear radiance, one channel.
     pub radiance: &'a Image,
+    /// Clear radiance of each of the geometry's further layers.
+    pub behind: &'a [Image],
     /// Camera, distance of the object, medium surface.
     pub geometry: &'a Geometry,
     /// What lies outside the object image.

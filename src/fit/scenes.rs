@@ -97,6 +97,7 @@ fn datum(scene: &Scene, i: usize) -> Datum<'_> {
     Datum {
         target: Target {
             radiance: &scene.object[i].image,
+            behind: &scene.behind[i],
             geometry: &scene.geometry,
             border: scene.border,
             view: scene.view,

@@ -46,7 +46,8 @@ impl Scene {
                 Some(read_observation(&source, section, &object, view)?)
             }
         };
-        Ok(Self { path: path.into(), object, geometry, border, view, observation, medium, fit })
+        let behind = vec![Vec::new(); channels];
+        Ok(Self { path: path.into(), object, behind, geometry, border, view, observation, medium, fit })
     }
 }
 
@@ -70,7 +71,8 @@ fn geometry(
     (depth, surface): (Distance, Distance),
     kind: DepthKind,
 ) -> Result<Geometry> {
-    let mut geometry = Geometry { width, height, camera, depth: depth.field, surface: surface.field };
+    let mut geometry =
+        Geometry { width, height, camera, depth: depth.field, behind: Vec::new(), surface: surface.field };
     if kind == DepthKind::Planar {
         geometry.depth = along_rays(&geometry, &geometry.depth);
         geometry.surface = along_rays(&geometry, &geometry.surface);

@@ -26,6 +26,8 @@ pub struct ImageConfig<'a> {
     pub geometry: &'a Geometry,
     /// Clear radiance of the object, the size of `geometry`.
     pub radiance: &'a Image,
+    /// Clear radiance of each of the geometry's further layers.
+    pub behind: &'a [Image],
     /// What lies outside the object image.
     pub border: Border,
     /// The part of the object image to trace.

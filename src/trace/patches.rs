@@ -226,8 +226,14 @@ mod tests {
             let (start, direction) = camera.ray(x as f64 + 0.5, y as f64 + 0.5, SIZE);
             distance(start, direction) as f32
         });
-        let geometry =
-            Geometry { width, height, camera, depth: Field::Map(map), surface: Field::Uniform(0.0) };
+        let geometry = Geometry {
+            width,
+            height,
+            camera,
+            depth: Field::Map(map),
+            behind: Vec::new(),
+            surface: Field::Uniform(0.0),
+        };
         Patches::new(&geometry, border, |x, y| geometry.depth.at(x, y))
     }
 

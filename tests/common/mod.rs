@@ -26,6 +26,7 @@ pub fn sloping(width: usize, height: usize, pixel_pitch: f64, mean_depth: f64, s
         height,
         camera: Camera::orthographic(pixel_pitch).unwrap(),
         depth: Field::Map(depth),
+        behind: Vec::new(),
         surface: Field::Uniform(0.0),
     }
 }
