@@ -63,6 +63,7 @@ fn filter(c: &mut Criterion) {
             geometry: &scene.geometry,
             border: Border::Zero,
             view: View::whole(width, height),
+            relief: None,
         };
         let filter = CpuFilter::new(target, &optics, 1.0).unwrap();
         let mut group = c.benchmark_group(scene.name);

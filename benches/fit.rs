@@ -10,7 +10,6 @@ mod scenes;
 use common::{best_of, fft_seconds};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use narrowbeam::filter::cpu::CpuFilter;
-use narrowbeam::filter::slices::Slices;
 use narrowbeam::filter::{Optics, Target};
 use narrowbeam::fit::{ChannelFit, Datum, HEADROOM, Settings, VeilTerm, fit_channel};
 use narrowbeam::geometry::Geometry;
@@ -46,13 +45,20 @@ fn fit(c: &mut Criterion) {
         let radiance = scenes::texture(n, n);
         let geometry = Geometry::planar(n, n, PIXEL_PITCH, DEPTH).unwrap();
         let view = View::whole(n, n);
-        let target =
-            Target { radiance: &radiance, behind: &[], geometry: &geometry, border: Border::Zero, view };
+        let target = Target {
+            radiance: &radiance,
+            behind: &[],
+            geometry: &geometry,
+            border: Border::Zero,
+            view,
+            relief: None,
+        };
         let observed = observed(target);
         let datum = Datum {
             target,
             observed: &observed,
             mask: None,
+            hidden_share_max: 0.01,
             noise: None,
             gain: Gain::Fixed(1.0),
             veil: VeilTerm::Fixed(0.0),
@@ -75,7 +81,7 @@ fn floor(target: Target, fit: impl Fn(&FitOptions) -> ChannelFit) -> String {
     let starts = found.evaluations - started.evaluations;
 
     let side = target.radiance.width;
-    let start_filter = CpuFilter::with_slices(target, Slices::new(&target, 1), START_PADDING * side as f64);
+    let start_filter = CpuFilter::with_slices(target, 1, START_PADDING * side as f64);
     let [sigma_s, sigma_a, b] = found.start;
     let phase = Gaussian::new(b).unwrap();
     let medium = Medium::new(sigma_s, sigma_a).unwrap();

@@ -110,6 +110,18 @@ impl Border {
             }
         }
     }
+
+    /// Factor of a slope along the row at position `i` (which may lie outside) of `n`: a mirrored surface slopes the
+    /// other way, a clamped one goes on without slope.
+    pub fn turn(self, i: i64, n: usize) -> f64 {
+        let inside = (0..n as i64).contains(&i);
+        match self {
+            _ if inside => 1.0,
+            Border::Mirror if i.div_euclid(n as i64) % 2 == 0 => 1.0,
+            Border::Mirror => -1.0,
+            _ => 0.0,
+        }
+    }
 }
 
 #[cfg(test)]

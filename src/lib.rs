@@ -50,7 +50,7 @@
 //! let object = Image::from_fn(32, 32, |x, y| if (x / 5 + y / 7) % 2 == 0 { 0.9 } else { 0.2 });
 //! let geometry = Geometry::planar(32, 32, 0.05, 2.0)?;
 //! let view = View::whole(32, 32);
-//! let target = Target { radiance: &object, behind: &[], geometry: &geometry, border: Border::Mirror, view };
+//! let target = Target { radiance: &object, behind: &[], geometry: &geometry, border: Border::Mirror, view, relief: None };
 //!
 //! // What the camera sees through a medium of sigma_s .9 and sigma_a .05 per metre, B .004 rad².
 //! let phase = Gaussian::new(0.004)?;
@@ -59,7 +59,7 @@
 //!
 //! // The medium back from the two images.
 //! let (gain, veil) = (Gain::Fixed(1.0), VeilTerm::Fixed(0.0));
-//! let datum = Datum { target, observed: &observed, mask: None, noise: None, gain, veil };
+//! let datum = Datum { target, observed: &observed, mask: None, hidden_share_max: 0.01, noise: None, gain, veil };
 //! let fit = fit_channel(&[datum], &FitOptions::default(), &Settings::default())?;
 //! let [sigma_s, sigma_a, b] = fit.parameters.values();
 //! assert!(fit.converged);
@@ -95,6 +95,7 @@ pub mod medium;
 pub mod phase;
 pub mod plots;
 mod quadrature;
+pub mod relief;
 pub mod scene;
 pub mod spread;
 pub mod trace;

@@ -4,7 +4,6 @@ mod common;
 
 use common::{pixels, relative_l2, sloping, texture};
 use narrowbeam::filter::cpu::CpuFilter;
-use narrowbeam::filter::slices::Slices;
 use narrowbeam::filter::{Optics, Target, direct_sum, per_depth};
 use narrowbeam::geometry::{Camera, Field, Geometry};
 use narrowbeam::image::{Border, Image, View};
@@ -18,7 +17,14 @@ fn optics(model: Model, phase: &Gaussian) -> Optics<'_> {
 }
 
 fn target<'a>(radiance: &'a Image, geometry: &'a Geometry, border: Border) -> Target<'a> {
-    Target { radiance, behind: &[], geometry, border, view: View::whole(radiance.width, radiance.height) }
+    Target {
+        radiance,
+        behind: &[],
+        geometry,
+        border,
+        view: View::whole(radiance.width, radiance.height),
+        relief: None,
+    }
 }
 
 fn fast(target: &Target, optics: &Optics) -> Vec<f64> {
@@ -136,7 +142,7 @@ fn slices_against_error_fall_as_tabulated() {
         let optics = optics(Model::SmallAngle, &phase);
         let reference = per_depth::render(&target, &optics).unwrap();
         for (count, bound) in rows {
-            let filter = CpuFilter::with_slices(target, Slices::new(&target, count), 250.0);
+            let filter = CpuFilter::with_slices(target, count, 250.0);
             assert_eq!(filter.slice_count(), count);
             let error = relative_l2(pixels(&filter.render(&optics).unwrap()), reference.clone());
             println!("{name:22} {count:6}   {error:.1e}");

@@ -31,6 +31,7 @@ fn made(geometry: Geometry, model: Model, [sigma_s, sigma_a, b]: [f64; 3]) -> Ma
         geometry: &geometry,
         border: Border::Zero,
         view: View::whole(geometry.width, geometry.height),
+        relief: None,
     };
     let data = per_depth::render(&target, &optics).unwrap().into_iter().map(|v| v as f32).collect();
     let observed = Image { width: geometry.width, height: geometry.height, data };
@@ -46,9 +47,11 @@ impl Made {
                 geometry: &self.geometry,
                 border: Border::Zero,
                 view: View::whole(self.object.width, self.object.height),
+                relief: None,
             },
             observed: &self.observed,
             mask: None,
+            hidden_share_max: 0.01,
             noise: None,
             gain: Gain::Fixed(1.0),
             veil: VeilTerm::Fixed(0.0),

@@ -67,6 +67,7 @@ impl Witness {
             geometry: &self.scene.geometry,
             border: self.scene.border,
             view: self.scene.view,
+            relief: None,
         };
         let render = CpuFilter::new(target, &optics, 1.0).unwrap().render(&optics).unwrap();
         reduced_chi2(&self.observed, &render, |i| f64::from(self.variance.data[i]))

@@ -24,7 +24,7 @@ pub(super) struct Arguments {
     /// Spread model: beer-lambert, single-scatter, gaussian, narrow-beam-printed, narrow-beam, small-angle or auto
     #[arg(long, default_value = "auto", value_parser = parse_model)]
     model: Model,
-    /// Filter for depth maps: eq29 or auto
+    /// Filter for depth maps: eq29, composite, or auto: composite where the depth map has edges or slopes
     #[arg(long, default_value = "auto")]
     filter: Filter,
     /// Where to compute: cpu or auto

@@ -22,7 +22,7 @@ pub(super) struct Arguments {
     /// Spread model: beer-lambert, single-scatter, gaussian, narrow-beam-printed, narrow-beam, small-angle or auto
     #[arg(long, default_value = "auto", value_parser = parse_model)]
     model: Model,
-    /// Filter for depth maps: eq29 or auto
+    /// Filter for depth maps: eq29, composite, or auto: composite where the depth map has edges or slopes
     #[arg(long, default_value = "auto")]
     filter: Filter,
     /// Where to compute: cpu or auto
@@ -40,6 +40,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let media = scene.medium_values(arguments.medium.values())?;
     atomic::check_writable(&arguments.output)?;
     let progress = Progress::uncounted("rendering");
+    let relief = arguments.filter.relief(&scene.geometry);
     let mut cut = false;
     let mut channels = Vec::new();
     for ((object, behind), values) in scene.object.iter().zip(&scene.behind).zip(&media) {
@@ -52,6 +53,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
             geometry: &scene.geometry,
             border: scene.border,
             view: scene.view,
+            relief: relief.as_ref(),
         };
         let filter = CpuFilter::new(target, &optics, 1.0)?;
         let image = filter.render(&optics)?;
@@ -61,7 +63,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     drop(progress);
     let mut attributes = provenance();
     attributes.push(("model".into(), arguments.model.name().into()));
-    attributes.push(("filter".into(), arguments.filter.name().into()));
+    attributes.push(("filter".into(), Filter::of(relief.as_ref()).name().into()));
     attributes.push(("backend".into(), arguments.backend.name().into()));
     attributes.push(("medium".into(), format!("{media:?}")));
     exr::write(&arguments.output, &channels, &attributes)?;

@@ -1,21 +1,20 @@
 //! The fast path: f32 FFTs of a few depth slices, on all cores.
 //!
 //! A plan holds the transforms of the object weighted for each slice; they do not depend on the medium. A render
-//! then costs one inverse FFT, its three derivatives three more (two if there is a single depth, where the
-//! derivative in sigma_a is -z times the image), and one evaluation of each slice's transfer function a frequency.
+//! goes from far to near: the light behind each screen is gathered there in the frequency domain, loses in the image
+//! what the screen covers, and is carried on to the next. Slices between two screens share one inverse FFT; a screen
+//! costs one more, and a forward one. Derivatives cost three times as many (two if there is a single depth, where the
+//! derivative in sigma_a is -z times the image).
 
-use super::fft2::{Fft2, fast_size};
-use super::footprint::sinc2;
-use super::slices::{Slices, pixel_node};
-use super::tables::{AliasTable, Basis, Lanes, RadialTable};
+use super::canvas::{Canvas, most_reach};
+use super::segment::Segment;
+use super::slices::{Node, Slices};
+use super::sources::{Sheet, hidden_sheets, sheets};
 use super::{Optics, Target};
 use crate::error::Result;
-use crate::geometry::Field;
 use crate::image::{Border, Image};
+use crate::relief::Relief;
 use crate::spread::Model;
-use rayon::prelude::*;
-use rustfft::num_complex::Complex;
-use std::f64::consts::PI;
 
 /// An image over the target's view and, if asked for, its derivatives in sigma_s, sigma_a and B.
 #[derive(Debug, Clone)]
@@ -43,20 +42,14 @@ const SLICE_TOLERANCE: f64 = 1e-4;
 /// What to tell a user of [`Coverage::cut`].
 pub const CUT: &str = "the kernel reaches beyond the most padding there is: light that should leave the image comes \
                        back on its other side; use fewer pixels for the same scene, or a mirrored border";
-/// Padding stops at this size of the padded image, or at two image sides if that is more, which bounds memory; what
-/// a kernel throws farther comes back on the other side, see [`Coverage::cut`].
-const MOST_PADDED_PX: usize = 4096;
 
 /// A target prepared for many renders.
 pub struct CpuFilter<'a> {
     target: Target<'a>,
     reach_px: f64,
-    slices: Slices,
-    fft: Fft2<f32>,
-    margin: [usize; 2],
-    spectra: Vec<Vec<Complex<f32>>>,
-    axes: [Axis; 2],
-    depths: Field,
+    canvas: Canvas,
+    /// From near to far; all but the first lie behind a screen.
+    segments: Vec<Segment>,
 }
 
 impl<'a> CpuFilter<'a> {
@@ -65,22 +58,44 @@ impl<'a> CpuFilter<'a> {
     /// # Errors
     /// As [`Optics::kernel`].
     pub fn new(target: Target<'a>, optics: &Optics, headroom: f64) -> Result<Self> {
-        let slices = Slices::for_tolerance(&target, optics, SLICE_TOLERANCE)?;
-        let reach_px = headroom * reach_px(&slices, optics)?;
-        Ok(Self::with_slices(target, slices, reach_px))
+        Self::of_sheets(target, &sheets(&target), optics, headroom)
     }
 
-    /// Prepares `target` with these slices and padding for kernels that reach `reach_px` pixels.
-    pub fn with_slices(target: Target<'a>, slices: Slices, reach_px: f64) -> Self {
-        let [x, y] = [target.radiance.width, target.radiance.height]
-            .map(|n| padded(n, target.border, reach_px.min(most_reach(&target))));
-        let fft = Fft2::new(x.size, y.size);
-        let margin = [x.margin, y.margin];
-        let planes = weighted_objects(&target, &slices, [x, y]);
-        let spectra = planes.into_iter().map(|plane| fft.forward(plane)).collect();
-        let axes = [Axis::new(x.size), Axis::new(y.size)];
-        let depths = view_depths(&target);
-        Self { target, reach_px, slices, fft, margin, spectra, axes, depths }
+    /// The same for light of radiance 1 from whatever is supposed, but not known, to lie behind the screens of
+    /// `relief`, which the target has: what renders is the share of hidden light.
+    ///
+    /// # Errors
+    /// As [`Optics::kernel`].
+    pub(super) fn of_hidden(target: Target<'a>, relief: &Relief, optics: &Optics) -> Result<Self> {
+        Self::of_sheets(target, &hidden_sheets(&target, relief), optics, 1.0)
+    }
+
+    fn of_sheets(target: Target<'a>, sheets: &[Sheet], optics: &Optics, headroom: f64) -> Result<Self> {
+        let camera = target.geometry.camera;
+        let sliced = |nodes: &[Node]| Slices::for_tolerance(camera, nodes, optics, SLICE_TOLERANCE);
+        let slices = per_segment(&target, sheets, sliced)?;
+        let reach_px = headroom * reach_px(slices.iter().flatten(), optics)?;
+        Ok(Self::with(target, sheets, slices, reach_px))
+    }
+
+    /// Prepares `target` with at most `count` slices along z between any two screens and padding for kernels that reach
+    /// `reach_px` pixels.
+    pub fn with_slices(target: Target<'a>, count: usize, reach_px: f64) -> Self {
+        let sheets = sheets(&target);
+        let camera = target.geometry.camera;
+        let slices = per_segment(&target, &sheets, |nodes| Ok(Slices::new(camera, nodes, count)));
+        Self::with(target, &sheets, slices.expect("a number of slices cannot fail"), reach_px)
+    }
+
+    fn with(target: Target<'a>, sheets: &[Sheet], slices: Vec<Option<Slices>>, reach_px: f64) -> Self {
+        let canvas = Canvas::new(&target, reach_px);
+        let screens = target.relief.map_or(&[][..], |relief| &relief.screens);
+        let segment = |(passed, slices): (usize, Option<Slices>)| {
+            let screen = passed.checked_sub(1).map(|i| &screens[i]);
+            Segment::new((&target, &canvas), sheets, passed, screen, slices)
+        };
+        let segments = slices.into_iter().enumerate().map(segment).collect();
+        Self { target, reach_px, canvas, segments }
     }
 
     /// How far padding and slices serve the kernels of `optics` too.
@@ -88,22 +103,36 @@ impl<'a> CpuFilter<'a> {
     /// # Errors
     /// As [`Optics::kernel`].
     pub fn coverage(&self, optics: &Optics) -> Result<Coverage> {
-        let (reach, most) = (reach_px(&self.slices, optics)?, most_reach(&self.target));
-        Ok(Coverage {
-            served: reach.min(most) <= self.reach_px
-                && self.slices.error(&self.target, optics)? <= SLICE_TOLERANCE,
-            cut: self.target.border != Border::Mirror && reach > most,
-        })
+        let (reach, most) = (reach_px(self.slices(), optics)?, most_reach(&self.target));
+        let mut served = reach.min(most) <= self.reach_px;
+        for slices in self.slices() {
+            served &= slices.error(optics)? <= SLICE_TOLERANCE;
+        }
+        Ok(Coverage { served, cut: self.target.border != Border::Mirror && reach > most })
+    }
+
+    fn slices(&self) -> impl Iterator<Item = &Slices> {
+        self.segments.iter().filter_map(|s| s.slices.as_ref())
     }
 
     /// Number of slices.
     pub fn slice_count(&self) -> usize {
-        self.slices.nodes.len()
+        self.slices().map(|s| s.nodes.len()).sum()
+    }
+
+    /// The path length of all pixels, if there is only one.
+    fn single_depth(&self) -> Option<f64> {
+        match &self.segments[..] {
+            [Segment { slices: Some(Slices { nodes, .. }), .. }] if nodes.len() == 1 => Some(nodes[0].z),
+            _ => None,
+        }
     }
 
     /// Number of real 2-D FFTs that one render takes, without and with the derivatives, and their size.
     pub fn transforms(&self) -> (usize, usize, [usize; 2]) {
-        (1, if self.slice_count() == 1 { 3 } else { 4 }, [self.fft.width, self.fft.height])
+        let images = 2 * self.segments.len() - 1;
+        let with_derivatives = if self.single_depth().is_some() { 3 } else { 4 * images };
+        (images, with_derivatives, [self.canvas.fft.width, self.canvas.fft.height])
     }
 
     /// The image through the medium, over the target's view.
@@ -126,176 +155,56 @@ impl<'a> CpuFilter<'a> {
 
     /// The first `count` of image, d/d sigma_s, d/d sigma_a, d/d B.
     fn evaluate(&self, optics: &Optics, count: usize) -> Result<Vec<Image>> {
-        let mut planes = self.direct(optics, count);
-        if optics.model != Model::BeerLambert {
-            let single = self.slice_count() == 1;
-            let transformed: Vec<usize> = (0..count).filter(|&c| c != 2 || !single).collect();
-            let spectra = self.scattered_spectra(optics, &transformed)?;
-            for (&c, spectrum) in transformed.iter().zip(spectra) {
-                self.add_view(&mut planes[c], &self.fft.inverse(spectrum));
-            }
-            if single && count == 4 {
-                let z = self.slices.nodes[0].z as f32;
-                planes[2] =
-                    Image { data: planes[0].data.iter().map(|v| -z * v).collect(), ..planes[0].clone() };
-            }
+        if optics.model == Model::BeerLambert {
+            let mut planes = vec![vec![0.0; self.canvas.pixels()]; count];
+            self.segments.iter().for_each(|s| s.add_direct(&optics.medium, 0.0, &mut planes));
+            return Ok(self.view(&planes));
         }
-        Ok(planes)
-    }
-
-    /// T(z) L at every pixel of the view, and its derivatives.
-    fn direct(&self, optics: &Optics, count: usize) -> Vec<Image> {
-        let Target { radiance, view, .. } = self.target;
-        let mut planes = vec![Image::filled(view.width, view.height, 0.0); count];
-        let once = match self.depths {
-            Field::Uniform(z) => Some((z, optics.medium.transmittance(z))),
-            Field::Map(_) => None,
-        };
-        for i in 0..view.pixels() {
-            let (x, y) = (i % view.width, i / view.width);
-            let (z, transmittance) = once.unwrap_or_else(|| {
-                let z = self.depths.at(x, y);
-                (z, optics.medium.transmittance(z))
-            });
-            if transmittance > 0.0 {
-                let light = transmittance as f32 * radiance.at(view.x + x, view.y + y);
-                for (plane, factor) in planes.iter_mut().zip([1.0, -z, -z, 0.0]) {
-                    plane.data[i] = factor as f32 * light;
+        let single_depth = self.single_depth();
+        let components: Vec<usize> = (0..count).filter(|&c| c != 2 || single_depth.is_none()).collect();
+        let mut carried = None;
+        for segment in self.segments.iter().rev() {
+            let spectra = segment.gather(&self.canvas, optics, carried.as_ref(), &components)?;
+            let mut fields: Vec<Vec<f32>> = spectra.into_iter().map(|s| self.canvas.fft.inverse(s)).collect();
+            if let Some(z) = single_depth.filter(|_| count == 4) {
+                fields.insert(2, fields[0].iter().map(|v| -z as f32 * v).collect());
+            }
+            match &segment.screen {
+                Some(gate) => carried = Some(segment.pass(gate, &self.canvas, &optics.medium, fields)),
+                None => {
+                    segment.add_direct(&optics.medium, 0.0, &mut fields);
+                    return Ok(self.view(&fields));
                 }
             }
         }
-        planes
+        unreachable!("the first segment has no screen")
     }
 
-    /// Spectra of the scattered light: the sum over slices of transfer function times weighted object, for each of
-    /// the `components` (0 the image, 1-3 its derivatives).
-    fn scattered_spectra(&self, optics: &Optics, components: &[usize]) -> Result<Vec<Vec<Complex<f32>>>> {
-        let (half, height) = (self.fft.half_width(), self.fft.height);
-        let tables = self
-            .slices
-            .nodes
-            .par_iter()
-            .map(|node| {
-                let kernel = optics.kernel(node.z)?;
-                Ok((RadialTable::new(&*kernel, node.pitch), AliasTable::new(&*kernel, node.pitch)))
-            })
-            .collect::<Result<Vec<_>>>()?;
-        let mut sums = vec![vec![Complex::new(0.0, 0.0); half * height]; components.len()];
-        let mut columns: Vec<Vec<&mut [Complex<f32>]>> = (0..half).map(|_| Vec::new()).collect();
-        for sum in &mut sums {
-            for (column, part) in columns.iter_mut().zip(sum.chunks_mut(height)) {
-                column.push(part);
-            }
-        }
-        let [across, down] = &self.axes;
-        columns.into_par_iter().enumerate().for_each(|(kx, mut column)| {
-            for ((radial, alias), spectrum) in tables.iter().zip(&self.spectra) {
-                let spectrum = &spectrum[kx * height..(kx + 1) * height];
-                let line = alias.line(&across.basis[kx]);
-                for ky in 0..=height / 2 {
-                    let weight = across.sinc2[kx] * down.sinc2[ky];
-                    let base = radial.at((across.w[kx].powi(2) + down.w[ky].powi(2)).sqrt());
-                    let beyond = line.at(&down.basis[ky]);
-                    let transfer: Lanes = std::array::from_fn(|c| weight * base[c] + beyond[c]);
-                    for (out, &c) in column.iter_mut().zip(components) {
-                        out[ky] += spectrum[ky] * transfer[c];
-                        if ky > 0 && 2 * ky < height {
-                            out[height - ky] += spectrum[height - ky] * transfer[c];
-                        }
-                    }
-                }
-            }
-        });
-        Ok(sums)
-    }
-
-    fn add_view(&self, plane: &mut Image, padded: &[f32]) {
-        let view = self.target.view;
-        for y in 0..view.height {
-            let start = (view.y + y + self.margin[1]) * self.fft.width + view.x + self.margin[0];
-            let row = &mut plane.data[y * view.width..(y + 1) * view.width];
-            row.iter_mut().zip(&padded[start..]).for_each(|(p, v)| *p += v);
-        }
+    fn view(&self, planes: &[Vec<f32>]) -> Vec<Image> {
+        planes.iter().map(|plane| self.canvas.crop(plane, self.target.view)).collect()
     }
 }
 
-/// The frequencies 0 to pi rad/px of one axis, and what the transfer function needs at each.
-struct Axis {
-    w: Vec<f64>,
-    sinc2: Vec<f32>,
-    basis: Vec<Basis>,
-}
-
-impl Axis {
-    fn new(n: usize) -> Self {
-        let w: Vec<f64> = (0..=n / 2).map(|i| 2.0 * PI * i as f64 / n as f64).collect();
-        let sinc2 = w.iter().map(|&w| sinc2(w, 0) as f32).collect();
-        Self { w, sinc2, basis: AliasTable::basis(n) }
-    }
-}
-
-/// Path lengths over the view; infinite where there is no object, which lets no light through.
-fn view_depths(target: &Target) -> Field {
-    let (geometry, view) = (target.geometry, target.view);
-    match (&geometry.depth, &geometry.surface) {
-        (Field::Uniform(depth), Field::Uniform(surface)) => Field::Uniform(depth - surface),
-        _ => Field::Map(Image::from_fn(view.width, view.height, |x, y| {
-            geometry.path_length(view.x + x, view.y + y).map_or(f32::INFINITY, |z| z as f32)
-        })),
-    }
+/// Slices for what lies before the first screen and behind each; none where nothing does.
+fn per_segment(
+    target: &Target,
+    sheets: &[Sheet],
+    mut slices: impl FnMut(&[Node]) -> Result<Slices>,
+) -> Result<Vec<Option<Slices>>> {
+    let screens = target.relief.map_or(0, |relief| relief.screens.len());
+    let between = |passed: usize| {
+        let mine = sheets.iter().flatten().flatten().filter(|s| s.screens == passed);
+        let nodes: Vec<Node> = mine.map(|s| s.node).collect();
+        if nodes.is_empty() { Ok(None) } else { slices(&nodes).map(Some) }
+    };
+    (0..=screens).map(between).collect()
 }
 
 /// Radius in pixels beyond which less than [`OUTSIDE`] of the light of any slice falls.
-fn reach_px(slices: &Slices, optics: &Optics) -> Result<f64> {
+fn reach_px<'s>(slices: impl Iterator<Item = &'s Slices>, optics: &Optics) -> Result<f64> {
     let mut reach: f64 = 0.0;
-    for node in &slices.nodes {
+    for node in slices.flat_map(|s| &s.nodes) {
         reach = reach.max(optics.kernel(node.z)?.support(OUTSIDE) / node.pitch);
     }
     Ok(reach)
-}
-
-/// The farthest reach that the padding serves, px.
-fn most_reach(target: &Target) -> f64 {
-    let side = target.radiance.width.max(target.radiance.height);
-    let sides = if target.border == Border::Clamp { 2 } else { 1 };
-    (MOST_PADDED_PX.saturating_sub(side) / sides).max(2 * side) as f64
-}
-
-/// One axis of the padded image: its size, and where the object image begins in it.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Padded {
-    pub size: usize,
-    pub margin: usize,
-}
-
-/// Padding of `n` pixels so that what wraps around comes from beyond `reach_px`.
-pub(super) fn padded(n: usize, border: Border, reach_px: f64) -> Padded {
-    let reach = reach_px.ceil() as usize;
-    match border {
-        Border::Zero => Padded { size: fast_size(n + reach), margin: 0 },
-        Border::Clamp => {
-            let size = fast_size(n + 2 * reach);
-            Padded { size, margin: (size - n) / 2 }
-        }
-        Border::Mirror => Padded { size: 2 * n, margin: 0 },
-    }
-}
-
-/// The padded object image weighted for each slice.
-fn weighted_objects(target: &Target, slices: &Slices, [px, py]: [Padded; 2]) -> Vec<Vec<f32>> {
-    let Target { radiance, border, .. } = *target;
-    let mut planes = vec![vec![0.0; px.size * py.size]; slices.nodes.len()];
-    let source = |i: usize, p: Padded, n: usize| border.index(i as i64 - p.margin as i64, n);
-    let columns: Vec<Option<usize>> = (0..px.size).map(|i| source(i, px, radiance.width)).collect();
-    for j in 0..py.size {
-        let Some(y) = source(j, py, radiance.height) else { continue };
-        for (i, column) in columns.iter().enumerate() {
-            let Some(x) = *column else { continue };
-            let Some(node) = pixel_node(target, x, y) else { continue };
-            for (plane, weight) in planes.iter_mut().zip(slices.weights(node)) {
-                plane[j * px.size + i] = weight as f32 * radiance.at(x, y);
-            }
-        }
-    }
-    planes
 }

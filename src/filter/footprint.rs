@@ -24,13 +24,6 @@ fn at(kernel: &dyn SpreadKernel, pitch: f64, wx: f64, wy: f64) -> Dual {
     kernel.scattered_transfer(wx.hypot(wy) / pitch)
 }
 
-fn add(sum: &mut Dual, weight: f64, term: Dual) {
-    sum.value += weight * term.value;
-    for (s, t) in sum.gradient.iter_mut().zip(term.gradient) {
-        *s += weight * t;
-    }
-}
-
 /// The aliases (m, n) ≠ (0, 0) of s̃ at (`wx`, `wy`) rad/px, those up to `reach` one by one.
 ///
 /// The squared sincs of all aliases add up to 1. What is left for those beyond `reach` is given to s in rings that
@@ -44,7 +37,7 @@ pub fn aliases(kernel: &dyn SpreadKernel, pitch: f64, wx: f64, wy: f64, reach: i
             let weight = sinc2(wx, m) * sinc2(wy, n);
             if (m, n) != (0, 0) && weight > 0.0 {
                 let (ax, ay) = (wx + 2.0 * PI * f64::from(m), wy + 2.0 * PI * f64::from(n));
-                add(&mut sum, weight, at(kernel, pitch, ax, ay));
+                sum = sum + weight * at(kernel, pitch, ax, ay);
                 left -= weight;
             }
         }
@@ -52,11 +45,11 @@ pub fn aliases(kernel: &dyn SpreadKernel, pitch: f64, wx: f64, wy: f64, reach: i
     let mut edge = 2.0 * PI * (f64::from(reach) + 0.5);
     for _ in 0..RINGS {
         let share = (1.0 - 1.0 / RING_GROWTH) * left;
-        add(&mut sum, share, at(kernel, pitch, edge * 2.0 * RING_GROWTH / (1.0 + RING_GROWTH), 0.0));
+        sum = sum + share * at(kernel, pitch, edge * 2.0 * RING_GROWTH / (1.0 + RING_GROWTH), 0.0);
         left -= share;
         edge *= RING_GROWTH;
     }
-    add(&mut sum, left, at(kernel, pitch, edge, 0.0));
+    sum = sum + left * at(kernel, pitch, edge, 0.0);
     sum
 }
 
@@ -66,9 +59,7 @@ const RING_GROWTH: f64 = 1.259_921;
 
 /// s̃ at (`wx`, `wy`) rad/px without its aliases: s sinc² sinc².
 pub fn baseband(kernel: &dyn SpreadKernel, pitch: f64, wx: f64, wy: f64) -> Dual {
-    let mut sum = Dual::default();
-    add(&mut sum, sinc2(wx, 0) * sinc2(wy, 0), at(kernel, pitch, wx, wy));
-    sum
+    sinc2(wx, 0) * sinc2(wy, 0) * at(kernel, pitch, wx, wy)
 }
 
 #[cfg(test)]

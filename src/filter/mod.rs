@@ -14,21 +14,30 @@
 //! Border: outside the object image there is nothing (`zero`), the outermost pixel (`clamp`, as far as the kernel
 //! reaches) or the mirrored image, periodically (`mirror`).
 
+mod bend;
+mod canvas;
 mod chebyshev;
 pub mod cpu;
 pub mod direct_sum;
 mod fft2;
 pub mod footprint;
+mod hidden;
 pub mod per_depth;
+mod segment;
 pub mod slices;
+mod sources;
 mod tables;
+mod transfer;
 mod unit_cells;
+
+pub use hidden::hidden_share;
 
 use crate::error::{Error, Result};
 use crate::geometry::Geometry;
 use crate::image::{Border, Image, View};
 use crate::medium::Medium;
 use crate::phase::PhaseFunction;
+use crate::relief::Relief;
 use crate::spread::{Model, SpreadKernel};
 use std::str::FromStr;
 
@@ -45,6 +54,8 @@ pub struct Target<'a> {
     pub border: Border,
     /// The observed part of the object image.
     pub view: View,
+    /// Edges and slopes of the object to be reckoned with; without them every pixel's light spreads freely.
+    pub relief: Option<&'a Relief>,
 }
 
 /// A spread model with its medium and phase function: gives the kernel of any path length.
@@ -71,32 +82,51 @@ impl<'a> Optics<'a> {
 /// How depth maps are filtered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Filter {
+    /// `composite` where the depth map has edges or slopes, else `eq29`, which is the same there.
+    Auto,
     /// Every object pixel spreads freely (Shinya et al., eq. 29).
     Eq29,
+    /// Near surfaces cover far ones, and slopes count ([`Relief`]).
+    Composite,
 }
 
 impl Filter {
-    /// Name on the command line and in reports.
+    /// All filters, in the order of the command line's help.
+    pub const ALL: [Filter; 3] = [Filter::Auto, Filter::Eq29, Filter::Composite];
+
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
+            Filter::Auto => "auto",
             Filter::Eq29 => "eq29",
+            Filter::Composite => "composite",
         }
+    }
+
+    /// The relief with which this filter sees `geometry`.
+    pub fn relief(self, geometry: &Geometry) -> Option<Relief> {
+        match self {
+            Filter::Eq29 => None,
+            Filter::Composite => Some(Relief::new(geometry)),
+            Filter::Auto => Some(Relief::new(geometry)).filter(|relief| !relief.is_flat()),
+        }
+    }
+
+    /// The filter that renders a target with or without a relief.
+    pub fn of(relief: Option<&Relief>) -> Self {
+        if relief.is_some() { Filter::Composite } else { Filter::Eq29 }
     }
 }
 
 impl FromStr for Filter {
     type Err = Error;
 
-    /// Parses a filter's name; `auto` is `eq29`, and `composite` is known but [not built yet](Error::NotBuilt).
+    /// Parses a filter's name.
     fn from_str(name: &str) -> Result<Self> {
-        match name {
-            "eq29" | "auto" => Ok(Filter::Eq29),
-            "composite" => Err(Error::NotBuilt(format!("filter {name}"))),
-            _ => Err(Error::UnknownName {
-                what: "filter",
-                name: name.into(),
-                known: "auto, eq29, composite".into(),
-            }),
-        }
+        Filter::ALL.into_iter().find(|f| f.name() == name).ok_or_else(|| Error::UnknownName {
+            what: "filter",
+            name: name.into(),
+            known: Filter::ALL.map(Filter::name).join(", "),
+        })
     }
 }

@@ -3,10 +3,11 @@
 //! No interpolation in depth or frequency; proven against [`super::direct_sum`] on small images and used where that
 //! would take too long.
 
-use super::cpu::padded;
+use super::canvas::padded;
 use super::fft2::Fft2;
 use super::footprint::{aliases, baseband};
-use super::slices::{Node, pixel_node};
+use super::slices::Node;
+use super::sources::sheets;
 use super::{Optics, Target};
 use crate::error::Result;
 use rayon::prelude::*;
@@ -79,12 +80,12 @@ pub(super) type Group = (Node, Vec<(usize, usize)>);
 /// The object's pixels under each distinct path length and pitch.
 pub(super) fn pixels_by_node(target: &Target) -> Vec<Group> {
     let mut groups: BTreeMap<[u64; 2], Group> = BTreeMap::new();
-    for y in 0..target.radiance.height {
-        for x in 0..target.radiance.width {
-            if let Some(node) = pixel_node(target, x, y) {
-                let key = [node.z.to_bits(), node.pitch.to_bits()];
-                groups.entry(key).or_insert_with(|| (node, Vec::new())).1.push((y, x));
-            }
+    let object = &sheets(&Target { relief: None, ..*target })[0];
+    for (i, source) in object.iter().enumerate() {
+        if let Some(node) = source.map(|s| s.node) {
+            let key = [node.z.to_bits(), node.pitch.to_bits()];
+            let pixel = (i / target.radiance.width, i % target.radiance.width);
+            groups.entry(key).or_insert_with(|| (node, Vec::new())).1.push(pixel);
         }
     }
     groups.into_values().collect()

@@ -5,12 +5,12 @@
 //! the i-th basis polynomial at each pixel's own (z, a). With parallel rays a follows from z and the nodes lie
 //! along z alone; in a perspective view they form a grid. A map of a few distinct depths gets exactly those.
 
+use super::Optics;
 use super::chebyshev::Chebyshev;
-use super::{Optics, Target};
 use crate::error::Result;
-use crate::geometry::{Camera, Field};
+use crate::geometry::Camera;
 
-/// One slice: a path length and the length of a pixel at it.
+/// A path length and the length of a pixel at it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Node {
     /// Path length, length.
@@ -19,12 +19,14 @@ pub struct Node {
     pub pitch: f64,
 }
 
-/// Slices of one target.
+/// Slices of the pixels of one target, or of one part of it.
 #[derive(Debug, Clone)]
 pub struct Slices {
     /// The slices' path lengths and pitches.
     pub nodes: Vec<Node>,
     layout: Layout,
+    /// Pixels at which the slices are judged.
+    samples: Vec<Node>,
 }
 
 #[derive(Debug, Clone)]
@@ -37,55 +39,44 @@ enum Layout {
     Grid { z: Chebyshev, magnification: Chebyshev },
 }
 
-/// Range of a quantity over the pixels of a target.
-#[derive(Debug, Clone, Copy)]
-struct Range {
-    low: f64,
-    high: f64,
-}
-
-impl Range {
-    fn of(values: impl Iterator<Item = f64>) -> Self {
-        values.fold(Range { low: f64::INFINITY, high: f64::NEG_INFINITY }, |r, v| Range {
-            low: r.low.min(v),
-            high: r.high.max(v),
-        })
-    }
-}
-
 impl Slices {
-    /// `count` slices along z for `target`, fewer if it has fewer distinct path lengths.
-    pub fn new(target: &Target, count: usize) -> Self {
-        Self::over(target, &sorted_nodes(target), count)
+    /// `count` slices along z for pixels at `nodes` (at least one), fewer if they have fewer distinct path lengths.
+    pub fn new(camera: Camera, nodes: &[Node], count: usize) -> Self {
+        Self::over(camera, &sorted(nodes), [count, usize::MAX])
     }
 
-    /// The same from the sorted nodes of the target's pixels.
-    fn over(target: &Target, nodes: &[Node], count: usize) -> Self {
-        match target.geometry.camera {
+    /// The same for sorted nodes, with `count` slices along z and along the magnification at most.
+    fn over(camera: Camera, nodes: &[Node], count: [usize; 2]) -> Self {
+        let samples = samples(nodes);
+        let (low, high) = (nodes[0].z, nodes[nodes.len() - 1].z);
+        match camera {
             Camera::Orthographic { pixel_pitch } => {
-                let node = |z: f64| Node { z, pitch: pixel_pitch };
+                let node = |&z: &f64| Node { z, pitch: pixel_pitch };
                 let mut distinct: Vec<f64> = nodes.iter().map(|n| n.z).collect();
                 distinct.dedup();
-                if distinct.len() <= count {
-                    let nodes = distinct.iter().map(|&z| node(z)).collect();
-                    return Self { nodes, layout: Layout::Exact(distinct) };
-                }
-                let line = Chebyshev::new(count, distinct[0], distinct[distinct.len() - 1]);
-                Self { nodes: line.x.iter().map(|&z| node(z)).collect(), layout: Layout::Line(line) }
+                let layout = if distinct.len() <= count[0] {
+                    Layout::Exact(distinct)
+                } else {
+                    Layout::Line(Chebyshev::new(count[0], low, high))
+                };
+                let (Layout::Exact(z) | Layout::Line(Chebyshev { x: z })) = &layout else {
+                    unreachable!("parallel rays have one magnification a depth")
+                };
+                Self { nodes: z.iter().map(node).collect(), layout, samples }
             }
             Camera::Perspective { .. } => {
-                let z = Range::of(nodes.iter().map(|n| n.z));
-                let a = Range::of(nodes.iter().map(|n| n.pitch / n.z));
-                let z = Chebyshev::new(if z.high > z.low { count } else { 1 }, z.low, z.high);
-                // Pitch and path length are nearly proportional, so this range is short. Interpolation over a range
-                // of half-width rho about 1 falls like rho^n.
-                let rho = (a.high - a.low) / (a.high + a.low);
+                let magnifications = || nodes.iter().map(|n| n.pitch / n.z);
+                let near = magnifications().fold(f64::INFINITY, f64::min);
+                let far = magnifications().fold(0.0, f64::max);
+                let z = Chebyshev::new(if high > low { count[0] } else { 1 }, low, high);
+                // Interpolation over a range of half-width rho about 1 falls like rho^n.
+                let rho = (far - near) / (far + near);
                 let enough = (SLICE_FLOOR.ln() / rho.ln()).ceil().max(2.0) as usize;
-                let many = if rho > 1e-9 { enough.min(count.max(2)) } else { 1 };
-                let magnification = Chebyshev::new(many, a.low, a.high);
+                let many = if rho > 1e-9 { enough.min(count[1]) } else { 1 };
+                let magnification = Chebyshev::new(many, near, far);
                 let grid =
                     magnification.x.iter().flat_map(|&a| z.x.iter().map(move |&z| Node { z, pitch: a * z }));
-                Self { nodes: grid.collect(), layout: Layout::Grid { z, magnification } }
+                Self { nodes: grid.collect(), layout: Layout::Grid { z, magnification }, samples }
             }
         }
     }
@@ -108,75 +99,69 @@ impl Slices {
     ///
     /// # Errors
     /// As [`Optics::kernel`].
-    pub fn error(&self, target: &Target, optics: &Optics) -> Result<f64> {
-        match self.layout {
-            Layout::Exact(_) => Ok(0.0),
-            _ => self.error_at(&samples(&sorted_nodes(target)), optics),
+    pub fn error(&self, optics: &Optics) -> Result<f64> {
+        if matches!(self.layout, Layout::Exact(_)) {
+            return Ok(0.0);
         }
-    }
-
-    fn error_at(&self, samples: &[Node], optics: &Optics) -> Result<f64> {
-        let kernels = self.nodes.iter().map(|n| optics.kernel(n.z)).collect::<Result<Vec<_>>>()?;
+        let slices = self.nodes.iter().map(|n| response(n, optics)).collect::<Result<Vec<_>>>()?;
         let mut worst: f64 = 0.0;
-        for &at in samples {
-            let kernel = optics.kernel(at.z)?;
-            let weights = self.weights(at);
-            for i in 0..FREQUENCIES {
-                let w = std::f64::consts::PI * 0.5_f64.powf(0.5 * i as f64);
-                let slices = kernels.iter().zip(&self.nodes).zip(&weights);
-                let sum: f64 =
-                    slices.map(|((k, n), weight)| weight * k.scattered_transfer(w / n.pitch).value).sum();
-                let want = kernel.scattered_transfer(w / at.pitch).value;
-                worst = worst.max((sum - want).abs() / kernel.scattered().max(f64::MIN_POSITIVE));
+        for at in &self.samples {
+            let scattered = optics.kernel(at.z)?.scattered().max(f64::MIN_POSITIVE);
+            let weights = self.weights(*at);
+            for (i, want) in response(at, optics)?.into_iter().enumerate() {
+                let sum: f64 = slices.iter().zip(&weights).map(|(slice, weight)| weight * slice[i]).sum();
+                worst = worst.max((sum - want).abs() / scattered);
             }
         }
         Ok(worst)
     }
 
-    /// The fewest slices whose [`error`](Self::error) stays under `tolerance`, at most [`MOST_SLICES`].
+    /// The fewest slices for pixels at `nodes` (at least one) whose [`error`](Self::error) stays under `tolerance`, at
+    /// most [`MOST_SLICES`] along z.
     ///
     /// # Errors
     /// As [`Optics::kernel`].
-    pub fn for_tolerance(target: &Target, optics: &Optics, tolerance: f64) -> Result<Self> {
-        let nodes = sorted_nodes(target);
-        let samples = samples(&nodes);
-        let mut count = 2;
-        loop {
-            let slices = Self::over(target, &nodes, count);
-            let exact = matches!(slices.layout, Layout::Exact(_));
-            if exact || count >= MOST_SLICES || slices.error_at(&samples, optics)? <= tolerance {
-                return Ok(slices);
+    pub fn for_tolerance(camera: Camera, nodes: &[Node], optics: &Optics, tolerance: f64) -> Result<Self> {
+        let nodes = sorted(nodes);
+        let mut count = [2, 1];
+        let mut best = Self::over(camera, &nodes, count);
+        let mut error = best.error(optics)?;
+        while error > tolerance && count[0] < MOST_SLICES {
+            let [deeper, wider] = [[count[0] + count[0].div_ceil(3), count[1]], [count[0], count[1] + 1]];
+            let slices = Self::over(camera, &nodes, deeper);
+            let mut next = (slices.error(optics)?, deeper, slices);
+            let slices = Self::over(camera, &nodes, wider);
+            if slices.nodes.len() > best.nodes.len() {
+                let error = slices.error(optics)?;
+                if error < next.0 {
+                    next = (error, wider, slices);
+                }
             }
-            count += count.div_ceil(3);
+            (error, count, best) = next;
         }
+        Ok(best)
     }
+}
+
+/// Scattered transfer function at `node` for some frequencies from pi rad/px down by half-octaves.
+fn response(node: &Node, optics: &Optics) -> Result<[f64; FREQUENCIES]> {
+    let kernel = optics.kernel(node.z)?;
+    let w = |i: usize| std::f64::consts::PI * 0.5_f64.powf(0.5 * i as f64);
+    Ok(std::array::from_fn(|i| kernel.scattered_transfer(w(i) / node.pitch).value))
 }
 
 /// Share of the scattered light to which the magnification is interpolated in a perspective view.
 const SLICE_FLOOR: f64 = 1e-5;
 /// Slices along z beyond which no more are taken.
 pub const MOST_SLICES: usize = 40;
-/// Frequencies, from pi rad/px down by half-octaves, at which slices are judged.
+/// Frequencies at which slices are judged.
 const FREQUENCIES: usize = 16;
 /// Pixels at which slices are judged.
 const SAMPLES: usize = 48;
 
-/// The node of pixel (`x`, `y`), or `None` if it shows no object.
-pub fn pixel_node(target: &Target, x: usize, y: usize) -> Option<Node> {
-    let g = target.geometry;
-    g.path_length(x, y).map(|z| Node { z, pitch: g.pixel_pitch(x, y) })
-}
-
-/// The nodes of all pixels that show an object, by path length; one stands for all of a flat scene.
-fn sorted_nodes(target: &Target) -> Vec<Node> {
-    let g = target.geometry;
-    let flat = matches!(
-        (&g.camera, &g.depth, &g.surface),
-        (Camera::Orthographic { .. }, Field::Uniform(_), Field::Uniform(_))
-    );
-    let pixels = if flat { 1 } else { g.width * g.height };
-    let mut nodes: Vec<Node> =
-        (0..pixels).filter_map(|i| pixel_node(target, i % g.width, i / g.width)).collect();
+/// By path length.
+fn sorted(nodes: &[Node]) -> Vec<Node> {
+    let mut nodes = nodes.to_vec();
     nodes.sort_by(|a, b| a.z.total_cmp(&b.z));
     nodes
 }

@@ -19,7 +19,8 @@ pub type Basis = [f32; NODES];
 /// Value and derivatives in sigma_s, sigma_a, B, side by side for the fast path.
 pub type Lanes = [f32; 4];
 
-fn lanes(d: &Dual) -> Lanes {
+/// Side by side, in f32.
+pub fn lanes(d: &Dual) -> Lanes {
     [d.value as f32, d.gradient[0] as f32, d.gradient[1] as f32, d.gradient[2] as f32]
 }
 
@@ -33,14 +34,14 @@ pub struct AliasTable {
 }
 
 impl AliasTable {
-    /// Computes the nodes for `kernel` seen at `pitch` (length per pixel).
-    pub fn new(kernel: &dyn SpreadKernel, pitch: f64) -> Self {
+    /// Computes the nodes for `kernel` seen at `pitch` (length per pixel), in units of `scale`.
+    pub fn new(kernel: &dyn SpreadKernel, pitch: f64, scale: f64) -> Self {
         let nodes = Chebyshev::new(NODES, 0.0, PI);
         // Symmetric in wx and wy: the upper half is computed and mirrored.
         let mut values = [[[0.0; 4]; NODES]; NODES];
         for (j, &wy) in nodes.x.iter().enumerate() {
             for (i, &wx) in nodes.x.iter().enumerate().take(j + 1) {
-                values[j][i] = lanes(&aliases(kernel, pitch, wx, wy, REACH));
+                values[j][i] = lanes(&(1.0 / scale * aliases(kernel, pitch, wx, wy, REACH)));
                 values[i][j] = values[j][i];
             }
         }
@@ -91,7 +92,7 @@ fn accumulate(sum: &mut Lanes, weight: f32, value: &Lanes) {
     }
 }
 
-/// s(|w|) of one kernel, tabulated over 0 ≤ |w| ≤ sqrt(2) pi and interpolated by cubics through four neighbours.
+/// A function of |w| that varies as a kernel does, tabulated over 0 ≤ |w| ≤ sqrt(2) pi and interpolated by cubics through four neighbours.
 pub struct RadialTable {
     per_w: f64,
     /// The first entry lies one step before 0, where s, being even, equals the second after it.
@@ -104,18 +105,18 @@ const STEP: f64 = 0.04;
 const ENTRIES: (f64, f64) = (256.0, 65536.0);
 
 impl RadialTable {
-    /// The table of `kernel` seen at `pitch` (length per pixel).
-    pub fn new(kernel: &dyn SpreadKernel, pitch: f64) -> Self {
+    /// The table of `f`, which varies with w (rad/px) as does `kernel` seen at `pitch` (length per pixel).
+    pub fn new(kernel: &dyn SpreadKernel, pitch: f64, f: impl Fn(f64) -> Dual) -> Self {
         let end = 2.0_f64.sqrt() * PI;
         // exp(tau F) is narrower than F by the root of tau.
         let step = STEP / (1.0 + 0.2 * kernel.medium().tau(kernel.path_length())).sqrt();
         let count = (end * kernel.width() / pitch / step).clamp(ENTRIES.0, ENTRIES.1).ceil();
         let per_w = count / end;
-        let entry = |i: i64| lanes(&kernel.scattered_transfer(i.abs() as f64 / per_w / pitch));
+        let entry = |i: i64| lanes(&f(i.abs() as f64 / per_w));
         Self { per_w, values: (-1..=count as i64 + 2).map(entry).collect() }
     }
 
-    /// s at |w| = `w` rad/px.
+    /// f at |w| = `w` rad/px.
     pub fn at(&self, w: f64) -> Lanes {
         let position = w * self.per_w;
         let i = position as usize;
@@ -148,7 +149,7 @@ mod tests {
         for width_px in [0.03, 0.3, 1.0, 4.0, 30.0] {
             let kernel = Model::SmallAngle.kernel(&medium, &phase, 1.5).unwrap();
             let pitch = kernel.width() / width_px;
-            let table = AliasTable::new(&*kernel, pitch);
+            let table = AliasTable::new(&*kernel, pitch, 1.0);
             let basis = AliasTable::basis(14);
             let mut worst: f64 = 0.0;
             for (i, bx) in basis.iter().enumerate() {
@@ -176,7 +177,7 @@ mod tests {
                     let medium = Medium::new(tau / 1.5, 0.1).unwrap();
                     let kernel = model.kernel(&medium, &phase, 1.5).unwrap();
                     let pitch = kernel.width() / width_px;
-                    let table = RadialTable::new(&*kernel, pitch);
+                    let table = RadialTable::new(&*kernel, pitch, |w| kernel.scattered_transfer(w / pitch));
                     for i in 0..2000 {
                         let w = 4.44 * (f64::from(i) / 2000.0).powi(3);
                         let exact = kernel.scattered_transfer(w / pitch);

@@ -24,6 +24,8 @@ pub struct Datum<'a> {
     pub observed: &'a Image,
     /// Pixels above 0 count.
     pub mask: Option<&'a Image>,
+    /// Pixels of which a larger share of the light may be hidden do not count.
+    pub hidden_share_max: f64,
     /// Standard deviation of a pixel's noise, if known.
     pub noise: Option<f64>,
     /// Exposure.

@@ -24,6 +24,8 @@ pub struct Exposure {
     pub chi2: f64,
     /// Pixels that counted.
     pub pixels: usize,
+    /// Pixels left out because of hidden light.
+    pub hidden_pixels: usize,
 }
 
 impl Exposure {
@@ -60,6 +62,7 @@ pub(super) fn exposures(
         noise: o.noise,
         chi2: l.chi2,
         pixels: o.pixels(),
+        hidden_pixels: o.hidden,
     };
     equations.linear.iter().zip(observed).map(exposure).collect()
 }

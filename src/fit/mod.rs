@@ -24,8 +24,8 @@ pub use solver::Method;
 pub use uncertainty::{Status, Uncertainty};
 
 use crate::error::{Error, Result};
-use crate::filter::Optics;
 use crate::filter::cpu::CpuFilter;
+use crate::filter::{Optics, hidden_share};
 use crate::geometry::Geometry;
 use crate::image::Image;
 use crate::medium::Medium;
@@ -77,11 +77,13 @@ pub struct ChannelFit {
     pub reduced_chi2: f64,
     /// Pixels that counted.
     pub pixels: usize,
+    /// Pixels left out because of hidden light.
+    pub hidden_pixels: usize,
     /// Median path length over all scenes, length.
     pub median_z: f64,
     /// Whether the optimiser converged.
     pub converged: bool,
-    /// Whether the noise of the scenes and the planning of the renders settled.
+    /// Whether the noise of the scenes, the planning of the renders and the pixels left out settled.
     pub settled: bool,
     /// Whether the kernels reach beyond the padding, [`Coverage::cut`](crate::filter::cpu::Coverage).
     pub cut: bool,
@@ -97,6 +99,8 @@ pub struct ChannelFit {
     pub free_gain: bool,
     /// Each scene's best fit, gain · object light + veil, over its view: to compare with the observation.
     pub renders: Vec<Image>,
+    /// Share of hidden light of each scene's pixels at the best fit; `None` for a scene in which nothing is hidden.
+    pub hidden_shares: Vec<Option<Image>>,
 }
 
 /// How much wider than at the start the kernels may become before a fit is planned anew.
@@ -168,7 +172,16 @@ fn fit_from(
                 o.noise = noise;
             }
         }
-        let settled = data.len() == 1 || change < NOISE_SETTLED;
+        let hidden_shares = hidden_shares(data, &parameters, settings.model)?;
+        let mut uncovered = false;
+        for (o, share) in observed.iter_mut().zip(&hidden_shares) {
+            if let Some(share) = share
+                && round < MOST_ROUNDS
+            {
+                uncovered |= o.leave_out_hidden(share)?;
+            }
+        }
+        let settled = !uncovered && (data.len() == 1 || change < NOISE_SETTLED);
         let (served, cut) = with_optics(&parameters, settings.model, |optics| {
             let (mut served, mut cut) = (true, false);
             for filter in &filters {
@@ -191,11 +204,13 @@ fn fit_from(
             return Ok(ChannelFit {
                 start,
                 renders,
+                hidden_shares,
                 exposures: exposures(&last, &observed, Some(&uncertainty)),
                 uncertainty,
                 cost: last.cost,
                 reduced_chi2,
                 pixels,
+                hidden_pixels: observed.iter().map(|o| o.hidden).sum(),
                 median_z,
                 converged: outcome.converged,
                 settled,
@@ -294,6 +309,14 @@ pub(crate) fn with_optics<T>(
 fn plan<'a>(data: &[Datum<'a>], parameters: &Parameters, model: Model) -> Result<Vec<CpuFilter<'a>>> {
     with_optics(parameters, model, |optics| {
         data.iter().map(|d| CpuFilter::new(d.target, optics, HEADROOM)).collect()
+    })
+}
+
+/// Each scene's share of hidden light.
+fn hidden_shares(data: &[Datum], parameters: &Parameters, model: Model) -> Result<Vec<Option<Image>>> {
+    let hides = |d: &Datum| d.target.relief.is_some_and(|relief| relief.hides());
+    with_optics(parameters, model, |optics| {
+        data.iter().map(|d| hides(d).then(|| hidden_share(&d.target, optics)).transpose()).collect()
     })
 }
 

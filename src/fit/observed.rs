@@ -16,32 +16,77 @@ use rayon::prelude::*;
 const RENDER_ERROR: f64 = 1e-5;
 /// Variance of an image, relative to its mean square, below which it is flat to rounding.
 const FLAT: f64 = 1e-10;
+/// Share of the pixels by which what hidden light leaves out may still change.
+const HIDDEN_SETTLED: f64 = 0.002;
 /// With fewer pixels whose neighbours all count, the noise is taken from the residuals themselves.
 const FEWEST_LAPLACIANS: i32 = 100;
 
 /// A datum with its pixels gathered: values of those that count, known veil taken off.
 pub(super) struct Observed<'a> {
     pub datum: Datum<'a>,
-    /// Index in the view and value of every pixel that counts.
+    /// Whether each pixel of the view counts.
+    counts: Vec<bool>,
+    /// Index in the view and value of those that do.
     pixels: Vec<(u32, f32)>,
+    /// Pixels that do not because of hidden light.
+    pub hidden: usize,
     pub noise: f64,
 }
 
 impl<'a> Observed<'a> {
     pub(super) fn new(datum: &Datum<'a>) -> Result<Self> {
-        let counts = |i: &usize| datum.mask.is_none_or(|m| m.data[*i] > 0.0);
+        let mut observed = Self {
+            datum: *datum,
+            counts: Vec::new(),
+            pixels: Vec::new(),
+            hidden: 0,
+            noise: datum.noise.unwrap_or(1.0),
+        };
+        observed.gather(|_| true);
+        if observed.pixels.is_empty() {
+            return Err(Error::NothingToFit("the mask leaves no pixel".into()));
+        }
+        Ok(observed)
+    }
+
+    /// Gathers the pixels that the mask lets count, if they are `shown`.
+    fn gather(&mut self, shown: impl Fn(usize) -> bool) {
+        let datum = self.datum;
+        let masked = |i: usize| datum.mask.is_none_or(|m| m.data[i] > 0.0);
         let veil = |i: usize| match datum.veil {
             VeilTerm::Fixed(v) => v as f32,
             VeilTerm::Image(image) => image.data[i],
             VeilTerm::Free => 0.0,
         };
         let all = &datum.observed.data;
-        let pixels: Vec<(u32, f32)> =
-            (0..all.len()).filter(counts).map(|i| (i as u32, all[i] - veil(i))).collect();
-        if pixels.is_empty() {
-            return Err(Error::NothingToFit("the mask leaves no pixel".into()));
+        self.counts = (0..all.len()).map(|i| masked(i) && shown(i)).collect();
+        self.hidden = (0..all.len()).filter(|&i| masked(i) && !shown(i)).count();
+        self.pixels =
+            (0..all.len()).filter(|&i| self.counts[i]).map(|i| (i as u32, all[i] - veil(i))).collect();
+    }
+
+    /// Leaves out the pixels of which more than the datum's share of light may be hidden; returns whether that
+    /// differs from what was left out before by enough to matter.
+    ///
+    /// # Errors
+    /// [`Error::NothingToFit`] if no pixel is left.
+    pub(super) fn leave_out_hidden(&mut self, share: &Image) -> Result<bool> {
+        let most = self.datum.hidden_share_max;
+        let shown = |i: usize| f64::from(share.data[i]) <= most;
+        let changed = (0..share.data.len())
+            .filter(|&i| self.datum.mask.is_none_or(|m| m.data[i] > 0.0) && shown(i) != self.counts[i])
+            .count();
+        if changed as f64 <= HIDDEN_SETTLED * self.pixels.len() as f64 {
+            return Ok(false);
         }
-        Ok(Self { datum: *datum, pixels, noise: datum.noise.unwrap_or(1.0) })
+        self.gather(shown);
+        if self.pixels.is_empty() {
+            return Err(Error::NothingToFit(format!(
+                "more than {most} of the light of every pixel may be hidden behind near surfaces; give what lies \
+                 there as [[object.layer]], or raise [observation] hidden_share_max"
+            )));
+        }
+        Ok(true)
     }
 
     pub(super) fn pixels(&self) -> usize {
@@ -91,12 +136,11 @@ impl<'a> Observed<'a> {
     pub(super) fn fine_noise(&self, render: &Image) -> f64 {
         let (observed, width) = (self.datum.observed, self.datum.observed.width);
         let residual = |i: usize| f64::from(observed.data[i]) - f64::from(render.data[i]);
-        let counts = |i: usize| self.datum.mask.is_none_or(|m| m.data[i] > 0.0);
         let (mut sum, mut number) = (0.0, 0);
         for y in 1..observed.height.saturating_sub(1) {
             for i in y * width + 1..(y + 1) * width - 1 {
                 let around = [i - 1, i + 1, i - width, i + width];
-                if counts(i) && around.iter().all(|&n| counts(n)) {
+                if self.counts[i] && around.iter().all(|&n| self.counts[n]) {
                     let laplacian = 4.0 * residual(i) - around.iter().map(|&n| residual(n)).sum::<f64>();
                     sum += laplacian * laplacian;
                     number += 1;

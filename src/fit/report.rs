@@ -100,7 +100,7 @@ impl FitReport {
                 "scene": scene, "channel": channel,
                 "gain": { "value": e.gain, "std_error": e.gain_error },
                 "veil": { "value": e.veil, "std_error": e.veil_error },
-                "noise": e.noise, "chi2": e.chi2, "pixels": e.pixels,
+                "noise": e.noise, "chi2": e.chi2, "pixels": e.pixels, "hidden_pixels": e.hidden_pixels,
             }));
         }
         self.warnings.extend(warnings(suffix, fit, model));
@@ -212,6 +212,7 @@ fn summary(channels: &[(String, ChannelFit)], seconds: f64) -> Value {
         "cost": fits().map(|f| f.cost).sum::<f64>(),
         "reduced_chi2": chi2,
         "pixels": pixels,
+        "hidden_pixels": sum(|f| f.hidden_pixels as u64),
         "iterations": sum(|f| f.iterations),
         "evaluations": sum(|f| f.evaluations),
         "seconds": seconds,

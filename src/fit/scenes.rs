@@ -6,6 +6,7 @@ use crate::error::{Error, Result};
 use crate::filter::{Filter, Target};
 use crate::geometry::Geometry;
 use crate::image::{Channel, Image};
+use crate::relief::Relief;
 use crate::scene::{Scene, Veil};
 use std::time::Instant;
 
@@ -24,6 +25,14 @@ impl SceneFit {
         let channel = |(name, fit): &(String, ChannelFit)| Channel {
             name: name.clone(),
             image: fit.renders[scene].clone(),
+        };
+        self.channels.iter().map(channel).collect()
+    }
+
+    /// Share of hidden light of every pixel of scene `scene`, where it has some.
+    pub fn hidden_share(&self, scene: usize) -> Option<Vec<Channel>> {
+        let channel = |(name, fit): &(String, ChannelFit)| {
+            Some(Channel { name: name.clone(), image: fit.hidden_shares[scene].clone()? })
         };
         self.channels.iter().map(channel).collect()
     }
@@ -82,17 +91,19 @@ pub fn fit_scenes(scenes: &[Scene], settings: &Settings, filter: Filter) -> Resu
     check_scenes(scenes, settings)?;
     let clock = Instant::now();
     let first = &scenes[0];
+    let reliefs: Vec<Option<Relief>> = scenes.iter().map(|scene| filter.relief(&scene.geometry)).collect();
     let mut channels = Vec::new();
     for (i, name) in names(first).into_iter().enumerate() {
-        let data: Vec<Datum> = scenes.iter().map(|scene| datum(scene, i)).collect();
+        let data: Vec<Datum> = scenes.iter().zip(&reliefs).map(|(s, r)| datum(s, r.as_ref(), i)).collect();
         channels.push((name, fit_channel(&data, &first.fit[i], settings)?));
     }
-    let report = FitReport::new(&channels, settings, filter, clock.elapsed().as_secs_f64());
+    let used = Filter::of(reliefs.iter().flatten().next());
+    let report = FitReport::new(&channels, settings, used, clock.elapsed().as_secs_f64());
     Ok(SceneFit { channels, report })
 }
 
 /// Channel `i` of an observed scene.
-fn datum(scene: &Scene, i: usize) -> Datum<'_> {
+fn datum<'a>(scene: &'a Scene, relief: Option<&'a Relief>, i: usize) -> Datum<'a> {
     let observation = scene.observation.as_ref().expect("checked by the caller");
     Datum {
         target: Target {
@@ -101,9 +112,11 @@ fn datum(scene: &Scene, i: usize) -> Datum<'_> {
             geometry: &scene.geometry,
             border: scene.border,
             view: scene.view,
+            relief,
         },
         observed: &observation.image[i].image,
         mask: observation.mask.as_ref(),
+        hidden_share_max: 0.01,
         noise: observation.noise,
         gain: observation.gain,
         veil: match &observation.veil {

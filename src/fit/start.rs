@@ -10,8 +10,8 @@ use super::datum::{Datum, VeilTerm};
 use super::observed::Observed;
 use super::{Parameters, Settings, with_optics};
 use crate::error::Result;
+use crate::filter::Target;
 use crate::filter::cpu::CpuFilter;
-use crate::filter::slices::Slices;
 use crate::scene::{FitOptions, Gain};
 
 /// Blur widths tried, as shares of the view's smaller side.
@@ -52,7 +52,7 @@ pub(super) fn choose(
     let depths: &[f64] = if scan_depth { &DEPTHS } else { &[1.0] };
     let filters: Vec<CpuFilter> = data
         .iter()
-        .map(|d| CpuFilter::with_slices(d.target, Slices::new(&d.target, SLICES), 0.5 * view_side_px(d)))
+        .map(|d| CpuFilter::with_slices(Target { relief: None, ..d.target }, SLICES, 0.5 * view_side_px(d)))
         .collect();
     let first = parameters.clone();
     let mut best = f64::INFINITY;

@@ -117,6 +117,10 @@ impl PhaseFunction for Gaussian {
         (-self.b * q * q).exp()
     }
 
+    fn planar_transform_derivative(&self, q: f64) -> f64 {
+        -q * q * self.planar_transform(q)
+    }
+
     fn mean_planar_transform(&self, q: f64) -> f64 {
         mean_gaussian(self.b.sqrt() * q)
     }

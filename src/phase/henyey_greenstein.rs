@@ -21,6 +21,11 @@ impl HenyeyGreenstein {
     pub fn new(g: f64) -> Result<Self> {
         Ok(Self { g: in_range("g", g, g > 0.0 && g < 1.0, "between 0 and 1, exclusive")? })
     }
+
+    /// da/dg = -(1+g)/(2 g^{3/2}).
+    fn width_derivative(&self) -> f64 {
+        -(1.0 + self.g) / (2.0 * self.g.powf(1.5))
+    }
 }
 
 impl PhaseFunction for HenyeyGreenstein {
@@ -52,15 +57,20 @@ impl PhaseFunction for HenyeyGreenstein {
         (-self.planar_width() * q).exp()
     }
 
+    /// dPhat/dg = -q Phat da/dg.
+    fn planar_transform_derivative(&self, q: f64) -> f64 {
+        -q * self.planar_transform(q) * self.width_derivative()
+    }
+
     fn mean_planar_transform(&self, q: f64) -> f64 {
         let x = self.planar_width() * q;
         if x == 0.0 { 1.0 } else { -(-x).exp_m1() / x }
     }
 
-    /// dF/dg = (Phat - F)/a · da/dg, da/dg = -(1+g)/(2 g^{3/2}).
+    /// dF/dg = (Phat - F)/a · da/dg.
     fn mean_planar_transform_derivative(&self, q: f64) -> f64 {
         let slope = (self.planar_transform(q) - self.mean_planar_transform(q)) / self.planar_width();
-        -slope * (1.0 + self.g) / (2.0 * self.g.powf(1.5))
+        slope * self.width_derivative()
     }
 
     /// a = (1-g)/sqrt(g).

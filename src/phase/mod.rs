@@ -40,10 +40,13 @@ pub trait PhaseFunction: Send + Sync + std::fmt::Debug {
     /// Phat(q): transform of the planar phase function, Phat(0) = 1.
     fn planar_transform(&self, q: f64) -> f64;
 
+    /// dPhat/d(shape) at `q`, shape being the one parameter of the phase function: B or g.
+    fn planar_transform_derivative(&self, q: f64) -> f64;
+
     /// F(q) = (1/q) ∫_0^q Phat(t) dt, F(0) = 1.
     fn mean_planar_transform(&self, q: f64) -> f64;
 
-    /// dF/d(shape) at `q`, shape being the one parameter of the phase function: B or g.
+    /// dF/d(shape) at `q`.
     fn mean_planar_transform_derivative(&self, q: f64) -> f64;
 
     /// The angle on which the planar lobe varies: sqrt(B) or a, rad.

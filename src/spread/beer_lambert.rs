@@ -2,6 +2,7 @@
 
 use super::{Dual, SpreadKernel};
 use crate::medium::Medium;
+use crate::phase::PhaseFunction;
 
 pub(super) struct BeerLambert {
     medium: Medium,
@@ -21,6 +22,10 @@ impl SpreadKernel for BeerLambert {
 
     fn medium(&self) -> &Medium {
         &self.medium
+    }
+
+    fn phase(&self) -> Option<&dyn PhaseFunction> {
+        None
     }
 
     fn scattered_transfer(&self, _k: f64) -> Dual {

@@ -19,6 +19,7 @@
 //! that of a Gaussian lobe, whatever the phase function, and beta² = 3 R / phi.
 
 mod beer_lambert;
+mod dual;
 mod hankel;
 mod moment_matched;
 mod single_scatter;
@@ -31,14 +32,7 @@ use moment_matched::{MomentMatched, Moments, Profile};
 use std::fmt;
 use std::str::FromStr;
 
-/// Value and derivatives in (sigma_s, sigma_a, B) of a transfer function or of a share of light.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Dual {
-    /// The value.
-    pub value: f64,
-    /// Derivatives in sigma_s (length), sigma_a (length) and B (1/rad²).
-    pub gradient: [f64; 3],
-}
+pub use dual::Dual;
 
 /// The spread of one object point's light, for one medium, phase function and path length.
 pub trait SpreadKernel: Send + Sync {
@@ -65,11 +59,28 @@ pub trait SpreadKernel: Send + Sync {
 
     /// Transfer function M(k) of direct and scattered light together at `k` rad/length.
     fn mtf(&self, k: f64) -> Dual {
-        let (direct, scattered) = (self.direct(), self.scattered_transfer(k));
-        Dual {
-            value: direct.value + scattered.value,
-            gradient: std::array::from_fn(|i| direct.gradient[i] + scattered.gradient[i]),
-        }
+        self.direct() + self.scattered_transfer(k)
+    }
+
+    /// The phase function; `None` for a kernel without spread.
+    fn phase(&self) -> Option<&dyn PhaseFunction>;
+
+    /// N(k), 1/length, of the paths' slope s and offset r at the object: E[s exp(i k·r)] = -i (k/k²) N(k), with
+    /// N = sigma_s (Phat(kz) - 1) M(k): the joint characteristic function of (r, s) has the exponent
+    /// sigma_s ∫_0^z Phat(|k u + q|) du, whose gradient in q this is at 0, for any phase function. Kernels of another
+    /// M than the exact small-angle one take the same factor.
+    ///
+    /// In a perspective view rays diverge and s is counted from the ray to the landing point: s - r/rho, rho being the
+    /// distance from the camera to the object. With `nearness` = z/rho, 0 for parallel rays, Phat - 1 becomes
+    /// Phat - 1 - nearness (Phat - F).
+    fn mean_slope(&self, k: f64, nearness: f64) -> Dual {
+        let Some(phase) = self.phase() else { return Dual::default() };
+        let (q, sigma_s) = (k * self.path_length(), self.medium().sigma_s());
+        let lobe = phase.planar_transform(q);
+        let bend = lobe - 1.0 - nearness * (lobe - phase.mean_planar_transform(q));
+        let bend_in_b = (1.0 - nearness) * phase.planar_transform_derivative(q)
+            + nearness * phase.mean_planar_transform_derivative(q);
+        self.mtf(k) * Dual { value: sigma_s * bend, gradient: [bend, 0.0, sigma_s * bend_in_b] }
     }
 
     /// Density of the scattered light at radius `r` > 0, 1/area. Most kernels grow like 1/r towards 0.
@@ -168,7 +179,7 @@ impl Model {
             let second = phase
                 .planar_second_moment()
                 .ok_or(Error::NoSecondMoment { model: self.name(), phase: phase.name() })?;
-            Ok(Box::new(MomentMatched::new(*medium, second, z, profile, moments)))
+            Ok(Box::new(MomentMatched::new(*medium, (phase, second), z, profile, moments)))
         };
         match self {
             Model::BeerLambert => Ok(Box::new(beer_lambert::BeerLambert::new(*medium, z))),

@@ -14,7 +14,7 @@
 
 use super::{Dual, SpreadKernel};
 use crate::medium::Medium;
-use crate::phase::{encircled_erfc, mean_gaussian, mean_gaussian_slope};
+use crate::phase::{PhaseFunction, encircled_erfc, mean_gaussian, mean_gaussian_slope};
 use libm::erfc;
 use std::f64::consts::PI;
 
@@ -121,8 +121,9 @@ impl Profile {
     }
 }
 
-pub(super) struct MomentMatched {
+pub(super) struct MomentMatched<'a> {
     medium: Medium,
+    phase: &'a dyn PhaseFunction,
     z: f64,
     b: f64,
     profile: Profile,
@@ -130,28 +131,32 @@ pub(super) struct MomentMatched {
     radius: MeanSquareRadius,
 }
 
-impl MomentMatched {
-    /// `second_moment` is the planar second moment <s²> = 4B of the phase function, rad².
+impl<'a> MomentMatched<'a> {
+    /// `second_moment` is the planar second moment <s²> = 4B of `phase`, rad².
     pub(super) fn new(
         medium: Medium,
-        second_moment: f64,
+        (phase, second_moment): (&'a dyn PhaseFunction, f64),
         z: f64,
         profile: Profile,
         moments: Moments,
     ) -> Self {
         let b = 0.25 * second_moment;
         let radius = moments.mean_square_radius(medium.tau(z), b, z);
-        Self { medium, z, b, profile, phi: medium.scattered_total(z), radius }
+        Self { medium, phase, z, b, profile, phi: medium.scattered_total(z), radius }
     }
 }
 
-impl SpreadKernel for MomentMatched {
+impl SpreadKernel for MomentMatched<'_> {
     fn path_length(&self) -> f64 {
         self.z
     }
 
     fn medium(&self) -> &Medium {
         &self.medium
+    }
+
+    fn phase(&self) -> Option<&dyn PhaseFunction> {
+        Some(self.phase)
     }
 
     fn scattered_transfer(&self, k: f64) -> Dual {

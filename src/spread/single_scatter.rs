@@ -30,6 +30,10 @@ impl SpreadKernel for SingleScatter<'_> {
         &self.medium
     }
 
+    fn phase(&self) -> Option<&dyn PhaseFunction> {
+        Some(self.phase)
+    }
+
     fn scattered_transfer(&self, k: f64) -> Dual {
         let (z, t) = (self.z, self.medium.transmittance(self.z));
         let f = self.phase.mean_planar_transform(k * z);

@@ -47,6 +47,10 @@ impl SpreadKernel for SmallAngle<'_> {
         &self.medium
     }
 
+    fn phase(&self) -> Option<&dyn PhaseFunction> {
+        Some(self.phase)
+    }
+
     fn scattered_transfer(&self, k: f64) -> Dual {
         let (z, t, tau) = (self.z, self.t, self.tau);
         let f = self.phase.mean_planar_transform(k * z);

@@ -3,21 +3,17 @@
 //! In the coordinates of [`march`](super::march) a patch is h = h_c + h_u (u - u_c) + h_v (v - v_c) over its pixel,
 //! a plane in space for either camera. Its slopes are central differences of its neighbours' heights, one-sided
 //! where only one neighbour belongs to the same surface, 0 where none does. Two neighbours belong to one surface
-//! unless their depths differ by more than [`EDGE`] pixel lengths; an empty pixel belongs to none.
+//! unless their depths differ by more than [`EDGE_PITCHES`] pixel lengths; an empty pixel belongs to none.
 //!
 //! Outside the image, `Clamp` repeats the outermost Z-depths without slope across the border, `Mirror` mirrors depths
 //! and slopes, `Zero` has nothing there.
 
 use super::march::{Projection, Segment, march};
 use super::meeting::{Meeting, pixel};
-use crate::geometry::{FARTHEST, Geometry};
+use crate::geometry::{EDGE_PITCHES, FARTHEST, Geometry};
 use crate::image::Border;
 use glam::DVec3;
 use std::ops::ControlFlow;
-
-/// Depth jump between neighbouring pixels, in pixel lengths, above which they belong to two surfaces: the slope
-/// of 76 degrees. Steeper surfaces are cut into steps.
-const EDGE: f64 = 4.0;
 
 /// Smallest depth of a patch in perspective, as a share of the largest: h = -1/Z must stay finite.
 const NEAREST: f64 = 1e-6;
@@ -116,21 +112,10 @@ impl Patches {
             None => Patch { pixel: usize::MAX, centre, h: f64::INFINITY, slope: [0.0; 2] },
             Some(pixel) => {
                 let [h, along_u, along_v] = self.planes[pixel];
-                let slope = [self.turn(column[0], 0) * along_u, self.turn(column[1], 1) * along_v];
+                let turn = |axis: usize| self.border.turn(column[axis], self.size[axis]);
+                let slope = [turn(0) * along_u, turn(1) * along_v];
                 Patch { pixel, centre, h, slope }
             }
-        }
-    }
-
-    /// Factor of a patch's slope along one axis: 1 inside the image, beyond it as the border says.
-    #[inline]
-    fn turn(&self, i: i64, axis: usize) -> f64 {
-        let n = self.size[axis] as i64;
-        match self.border {
-            _ if i >= 0 && i < n => 1.0,
-            Border::Mirror if i.div_euclid(n) % 2 == 0 => 1.0,
-            Border::Mirror => -1.0,
-            _ => 0.0,
         }
     }
 
@@ -208,7 +193,7 @@ impl Patches {
 /// Whether neighbours at these depths belong to one surface.
 #[inline]
 fn joined(projection: &Projection, z0: f64, z1: f64) -> bool {
-    (z0 - z1).abs() <= EDGE * projection.pitch(z0.min(z1))
+    (z0 - z1).abs() <= EDGE_PITCHES * projection.pitch(z0.min(z1))
 }
 
 #[cfg(test)]

@@ -4,69 +4,12 @@
 //! ray from the camera; the medium fills the space between `surface` and the object, so a ray's path length in it
 //! is z = depth - surface. This is the only place where pixels become lengths.
 
+mod camera;
+
+pub use camera::Camera;
+
 use crate::error::{Error, Result, in_range};
 use crate::image::Image;
-use glam::DVec3;
-
-/// Pinhole or parallel projection.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Camera {
-    /// Parallel rays, `pixel_pitch` (length) apart.
-    Orthographic {
-        /// Length of a pixel.
-        pixel_pitch: f64,
-    },
-    /// Rays from one point; the object image spans `fov_x` (radians) horizontally, centred on the axis.
-    Perspective {
-        /// Horizontal field of view of the whole object image, radians.
-        fov_x: f64,
-    },
-}
-
-impl Camera {
-    /// Parallel rays, `pixel_pitch` (length) apart.
-    ///
-    /// # Errors
-    /// [`Error::OutOfRange`] unless the pitch is finite and above 0.
-    pub fn orthographic(pixel_pitch: f64) -> Result<Self> {
-        let ok = pixel_pitch.is_finite() && pixel_pitch > 0.0;
-        in_range("pixel_pitch", pixel_pitch, ok, "finite and above 0 (length)")?;
-        Ok(Self::Orthographic { pixel_pitch })
-    }
-
-    /// Rays from one point, `fov_x_deg` degrees across the width of the object image.
-    ///
-    /// # Errors
-    /// [`Error::OutOfRange`] unless the angle is above 0 and below 180 degrees.
-    pub fn perspective(fov_x_deg: f64) -> Result<Self> {
-        let ok = fov_x_deg > 0.0 && fov_x_deg < 180.0;
-        in_range("fov_x_deg", fov_x_deg, ok, "between 0 and 180, exclusive (degrees)")?;
-        Ok(Self::Perspective { fov_x: fov_x_deg.to_radians() })
-    }
-
-    /// Origin and unit direction of the ray through image position (`x`, `y`) px of an image of `size` (width,
-    /// height) px; pixel centres lie at half-integers.
-    pub fn ray(&self, x: f64, y: f64, size: (usize, usize)) -> (DVec3, DVec3) {
-        let (u, v) = (x - 0.5 * size.0 as f64, y - 0.5 * size.1 as f64);
-        match *self {
-            Camera::Orthographic { pixel_pitch } => {
-                (DVec3::new(u * pixel_pitch, v * pixel_pitch, 0.0), DVec3::Z)
-            }
-            Camera::Perspective { .. } => {
-                let slope = self.pitch_per_depth(size.0);
-                (DVec3::ZERO, DVec3::new(u * slope, v * slope, 1.0).normalize())
-            }
-        }
-    }
-
-    /// Length of a pixel per unit of z-depth in a perspective view `width` px wide; 0 for parallel rays.
-    fn pitch_per_depth(&self, width: usize) -> f64 {
-        match *self {
-            Camera::Orthographic { .. } => 0.0,
-            Camera::Perspective { fov_x } => 2.0 * (0.5 * fov_x).tan() / width as f64,
-        }
-    }
-}
 
 /// A number for the whole image, or one for each pixel.
 #[derive(Debug, Clone, PartialEq)]
@@ -85,7 +28,17 @@ impl Field {
             Field::Map(image) => f64::from(image.at(x, y)),
         }
     }
+
+    /// The value as a distance to an object: `None` where it says that there is none.
+    pub fn distance(&self, x: usize, y: usize) -> Option<f64> {
+        let d = self.at(x, y);
+        (d > 0.0 && d <= FARTHEST).then_some(d)
+    }
 }
+
+/// Step of the depth between neighbouring pixels, in pixel lengths, above which they belong to two surfaces with an
+/// edge between them: the slope of 76 degrees.
+pub const EDGE_PITCHES: f64 = 4.0;
 
 /// The farthest distance at which an object is taken to be there (contract: beyond, a pixel is empty).
 pub const FARTHEST: f64 = 1e9;
@@ -126,8 +79,7 @@ impl Geometry {
 
     /// Distance to the object at pixel (`x`, `y`), or `None` where there is none.
     pub fn object_distance(&self, x: usize, y: usize) -> Option<f64> {
-        let d = self.depth.at(x, y);
-        (d > 0.0 && d <= FARTHEST).then_some(d)
+        self.depth.distance(x, y)
     }
 
     /// Path length z in the medium at pixel (`x`, `y`), or `None` where there is no object.
@@ -135,15 +87,29 @@ impl Geometry {
         self.object_distance(x, y).map(|d| d - self.surface.at(x, y))
     }
 
-    /// Length of a pixel at the object, at pixel (`x`, `y`): constant for parallel rays, growing with the z-depth
-    /// in a perspective view.
-    pub fn pixel_pitch(&self, x: usize, y: usize) -> f64 {
+    /// Length of a pixel at `distance` along the ray of pixel (`x`, `y`): constant for parallel rays, growing with the
+    /// distance in a perspective view.
+    ///
+    /// There a kernel stands on the plane perpendicular to its ray, where a pixel at the angle theta off the axis is
+    /// cos(theta) shorter in the radial direction than across it; this is the geometric mean of the two.
+    pub fn pixel_pitch(&self, x: usize, y: usize, distance: f64) -> f64 {
         match self.camera {
             Camera::Orthographic { pixel_pitch } => pixel_pitch,
             Camera::Perspective { .. } => {
-                self.camera.pitch_per_depth(self.width) * self.depth.at(x, y) * self.cos_off_axis(x, y)
+                self.camera.pitch_per_depth(self.width) * distance * self.cos_off_axis(x, y).powf(1.5)
             }
         }
+    }
+
+    /// Mean over the image of the length of a pixel over its distance from the camera: how rays diverge; 0 for parallel
+    /// ones.
+    pub fn divergence(&self) -> f64 {
+        if matches!(self.camera, Camera::Orthographic { .. }) {
+            return 0.0;
+        }
+        let pixels =
+            (0..self.width * self.height).map(|i| self.pixel_pitch(i % self.width, i / self.width, 1.0));
+        pixels.sum::<f64>() / (self.width * self.height) as f64
     }
 
     /// Cosine of the angle between the ray through the centre of pixel (`x`, `y`) and the camera's axis.
@@ -159,7 +125,7 @@ impl Geometry {
 
     /// Median length of a pixel at the object.
     pub fn median_pixel_pitch(&self) -> f64 {
-        let shown = |x, y| self.object_distance(x, y).map(|_| self.pixel_pitch(x, y));
+        let shown = |x, y| self.object_distance(x, y).map(|d| self.pixel_pitch(x, y, d));
         let flat = matches!(self.camera, Camera::Orthographic { .. });
         let on: &[&Field] = if flat { &[] } else { &[&self.depth] };
         let mut pitches = self.over_pixels(on, shown);

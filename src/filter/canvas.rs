@@ -1,0 +1,120 @@
+//! The padded image on which the transforms work.
+
+use super::Target;
+use super::fft2::{Fft2, fast_size};
+use super::footprint::sinc2;
+use super::tables::{AliasTable, Basis};
+use crate::image::{Border, Image, View};
+use rustfft::num_complex::Complex;
+use std::f64::consts::PI;
+
+/// Padding stops at this size of the padded image, or at two image sides if that is more, which bounds memory; what
+/// a kernel throws farther comes back on the other side, see [`Coverage::cut`](super::cpu::Coverage).
+const MOST_PADDED_PX: usize = 4096;
+
+/// Transposed half spectrum of a real image.
+pub(super) type Spectrum = Vec<Complex<f32>>;
+
+/// The object image with what its border rule puts around it.
+pub(super) struct Canvas {
+    pub fft: Fft2<f32>,
+    /// What the transfer functions need along each axis.
+    pub axes: [Axis; 2],
+    border: Border,
+    padded: [Padded; 2],
+    object: [usize; 2],
+}
+
+/// A pixel of the canvas and the object pixel that it shows.
+pub(super) struct Place {
+    /// Index in the canvas.
+    pub at: usize,
+    /// Index in the object image.
+    pub of: usize,
+    /// Factor of the slope along x and y: -1 where the image is mirrored.
+    pub turn: [f32; 2],
+}
+
+impl Canvas {
+    /// The canvas of `target` for kernels that reach `reach_px` pixels.
+    pub(super) fn new(target: &Target, reach_px: f64) -> Self {
+        let object = [target.radiance.width, target.radiance.height];
+        let padded = object.map(|n| padded(n, target.border, reach_px.min(most_reach(target))));
+        let fft = Fft2::new(padded[0].size, padded[1].size);
+        let axes = padded.map(|p| Axis::new(p.size));
+        Self { fft, axes, border: target.border, padded, object }
+    }
+
+    pub(super) fn pixels(&self) -> usize {
+        self.fft.width * self.fft.height
+    }
+
+    /// Every pixel of the canvas that shows a pixel of the object image.
+    pub(super) fn places(&self) -> impl Iterator<Item = Place> + '_ {
+        let along = |axis: usize| {
+            let (n, Padded { size, margin }) = (self.object[axis], self.padded[axis]);
+            let shown = move |i: usize| {
+                let position = i as i64 - margin as i64;
+                Some((i, self.border.index(position, n)?, self.border.turn(position, n) as f32))
+            };
+            (0..size).filter_map(shown).collect::<Vec<_>>()
+        };
+        let (columns, rows) = (along(0), along(1));
+        rows.into_iter().flat_map(move |(j, y, turn_y)| {
+            let place = move |&(i, x, turn_x): &(usize, usize, f32)| Place {
+                at: j * self.fft.width + i,
+                of: y * self.object[0] + x,
+                turn: [turn_x, turn_y],
+            };
+            columns.iter().map(place).collect::<Vec<_>>()
+        })
+    }
+
+    /// The part of `canvas` under `view` of the object image.
+    pub(super) fn crop(&self, canvas: &[f32], view: View) -> Image {
+        let [left, top] = [view.x + self.padded[0].margin, view.y + self.padded[1].margin];
+        Image::from_fn(view.width, view.height, |x, y| canvas[(top + y) * self.fft.width + left + x])
+    }
+}
+
+/// The farthest reach that the padding serves, px.
+pub(super) fn most_reach(target: &Target) -> f64 {
+    let side = target.radiance.width.max(target.radiance.height);
+    let sides = if target.border == Border::Clamp { 2 } else { 1 };
+    (MOST_PADDED_PX.saturating_sub(side) / sides).max(2 * side) as f64
+}
+
+/// One axis of the padded image: its size, and where the object image begins in it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Padded {
+    pub size: usize,
+    pub margin: usize,
+}
+
+/// Padding of `n` pixels so that what wraps around comes from beyond `reach_px`.
+pub(super) fn padded(n: usize, border: Border, reach_px: f64) -> Padded {
+    let reach = reach_px.ceil() as usize;
+    match border {
+        Border::Zero => Padded { size: fast_size(n + reach), margin: 0 },
+        Border::Clamp => {
+            let size = fast_size(n + 2 * reach);
+            Padded { size, margin: (size - n) / 2 }
+        }
+        Border::Mirror => Padded { size: 2 * n, margin: 0 },
+    }
+}
+
+/// The frequencies 0 to pi rad/px of one axis, and what the transfer function needs at each.
+pub(super) struct Axis {
+    pub w: Vec<f64>,
+    pub sinc2: Vec<f32>,
+    pub basis: Vec<Basis>,
+}
+
+impl Axis {
+    fn new(n: usize) -> Self {
+        let w: Vec<f64> = (0..=n / 2).map(|i| 2.0 * PI * i as f64 / n as f64).collect();
+        let sinc2 = w.iter().map(|&w| sinc2(w, 0) as f32).collect();
+        Self { w, sinc2, basis: AliasTable::basis(n) }
+    }
+}

@@ -1,0 +1,31 @@
+//! How much of each pixel's light may come from where no image shows anything.
+
+use super::cpu::CpuFilter;
+use super::{Optics, Target};
+use crate::error::Result;
+use crate::image::Image;
+use crate::spread::Model;
+
+/// Share of the light of every pixel of the view that comes from what is supposed, but not known, to lie behind near
+/// surfaces: the light that it would send if everything there had radiance 1, over exp(-sigma_a z). Where there is no
+/// object, z is the median path length.
+///
+/// # Errors
+/// As [`Optics::kernel`].
+pub fn hidden_share(target: &Target, optics: &Optics) -> Result<Image> {
+    let (view, geometry) = (target.view, target.geometry);
+    let nothing = Image::filled(view.width, view.height, 0.0);
+    let Some(relief) = target.relief.filter(|r| r.hides()) else { return Ok(nothing) };
+    if optics.model == Model::BeerLambert {
+        return Ok(nothing);
+    }
+    let light = CpuFilter::of_hidden(*target, relief, optics)?.render(optics)?;
+    let mut lengths = geometry.path_lengths();
+    let middle = lengths.len() / 2;
+    let median = *lengths.select_nth_unstable_by(middle, f64::total_cmp).1;
+    Ok(Image::from_fn(view.width, view.height, |x, y| {
+        let z = geometry.path_length(view.x + x, view.y + y).unwrap_or(median);
+        let share = light.at(x, y) * (optics.medium.sigma_a() * z).exp() as f32;
+        share.clamp(0.0, 1.0)
+    }))
+}

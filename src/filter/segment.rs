@@ -1,0 +1,240 @@
+//! What lies between two screens: its slices, and the light that it sends on towards the camera.
+
+use super::bend::bend;
+use super::canvas::{Canvas, Spectrum};
+use super::slices::{Node, Slices};
+use super::sources::{Sheet, Source};
+use super::transfer::{Divisor, Frequency, Transfer, Unit, Wave, over, times};
+use super::{Optics, Target};
+use crate::error::Result;
+use crate::medium::Medium;
+use crate::relief::Screen;
+use rayon::prelude::*;
+use rustfft::num_complex::Complex;
+
+/// Sources between two screens.
+pub(super) struct Segment {
+    pub slices: Option<Slices>,
+    /// The object weighted for each slice, transformed.
+    light: Vec<Spectrum>,
+    /// The source of its slope term, likewise; none at all if nothing slopes.
+    bend: Vec<Spectrum>,
+    /// Length of a pixel over its distance from the camera; 0 for parallel rays.
+    divergence: f64,
+    /// Pixels whose direct light is seen.
+    direct: Vec<Direct>,
+    /// What its light must pass.
+    pub screen: Option<Gate>,
+}
+
+/// Direct light of a canvas pixel.
+struct Direct {
+    at: usize,
+    z: f64,
+    light: f32,
+}
+
+/// A screen on the canvas.
+pub(super) struct Gate {
+    pub node: Node,
+    /// 0 where the screen is opaque, 1 elsewhere.
+    open: Vec<f32>,
+}
+
+/// Light at a screen, on its way to the camera: spectra of the image and its derivatives.
+pub(super) struct Carried {
+    node: Node,
+    spectra: Vec<Spectrum>,
+}
+
+impl Segment {
+    /// The part of `sheets` that must pass `passed` screens, the last of them `screen`.
+    pub(super) fn new(
+        (target, canvas): (&Target, &Canvas),
+        sheets: &[Sheet],
+        passed: usize,
+        screen: Option<&Screen>,
+        slices: Option<Slices>,
+    ) -> Self {
+        let mine =
+            |of: usize| sheets.iter().filter_map(move |sheet| sheet[of].filter(|s| s.screens == passed));
+        let mut segment = Self {
+            light: Vec::new(),
+            bend: Vec::new(),
+            divergence: target.geometry.divergence(),
+            direct: Vec::new(),
+            screen: screen.map(|screen| Gate::new(canvas, screen)),
+            slices,
+        };
+        let Some(slices) = &segment.slices else { return segment };
+        let count = slices.nodes.len();
+        let weighted = |value: &dyn Fn(&Source, [f32; 2]) -> f32| -> Vec<Vec<f32>> {
+            let mut planes = vec![vec![0.0; canvas.pixels()]; count];
+            for place in canvas.places() {
+                for source in mine(place.of) {
+                    let value = value(&source, place.turn);
+                    if value != 0.0 {
+                        for (plane, weight) in planes.iter_mut().zip(slices.weights(source.node)) {
+                            plane[place.at] += weight as f32 * value;
+                        }
+                    }
+                }
+            }
+            planes
+        };
+        let light = weighted(&|s, _| s.light);
+        segment.light = light.into_iter().map(|plane| canvas.fft.forward(plane)).collect();
+        let sloping = sheets.iter().flatten().flatten().any(|s| s.screens == passed && s.slope != [0.0; 2]);
+        if sloping {
+            let along = |axis: usize| weighted(&move |s, turn| turn[axis] * s.slope[axis] * s.light);
+            let fields = along(0).into_iter().zip(along(1));
+            segment.bend = fields.map(|(x, y)| bend(canvas, [x, y])).collect();
+        }
+        for place in canvas.places() {
+            // What an opaque pixel covers is not seen, and of two layers only the first.
+            let seen = sheets.iter().find_map(|sheet| sheet[place.of]);
+            let source = seen.filter(|s| s.screens == passed && screen.is_none_or(|g| !g.opaque[place.of]));
+            if let Some(Source { node, light, .. }) = source {
+                segment.direct.push(Direct { at: place.at, z: node.z, light });
+            }
+        }
+        segment
+    }
+
+    /// Adds the direct light of this segment, as it is at the path length `from`, and its derivatives to `planes`.
+    pub(super) fn add_direct(&self, medium: &Medium, from: f64, planes: &mut [Vec<f32>]) {
+        let mut last = (f64::NAN, 0.0);
+        for d in &self.direct {
+            if d.z != last.0 {
+                last = (d.z, (-medium.sigma_t() * (d.z - from)).exp());
+            }
+            let light = last.1 as f32 * d.light;
+            let way = (d.z - from) as f32;
+            for (plane, factor) in planes.iter_mut().zip([1.0, -way, -way, 0.0]) {
+                plane[d.at] += factor * light;
+            }
+        }
+    }
+
+    /// Light scattered on its way to this segment's screen, or to the camera: that of the segment itself, and what is
+    /// `carried` to it from farther screens. Spectra of the `components` of image and derivatives.
+    pub(super) fn gather(
+        &self,
+        canvas: &Canvas,
+        optics: &Optics,
+        carried: Option<&Carried>,
+        components: &[usize],
+    ) -> Result<Vec<Spectrum>> {
+        let screen = self.screen.as_ref().map(|gate| gate.node);
+        let unit = Unit::new(screen, optics)?;
+        let divisor = screen.map(|node| Divisor::new(node, optics, &unit)).transpose()?;
+        let nodes = self.slices.as_ref().map_or(&[][..], |s| &s.nodes);
+        let nearness = |node: &Node| (self.divergence * node.z / node.pitch).min(1.0);
+        let sloping = !self.bend.is_empty();
+        let transfer = |node: &Node| Transfer::new(*node, sloping.then(|| nearness(node)), optics, &unit);
+        let transfers = nodes.par_iter().map(transfer).collect::<Result<Vec<_>>>()?;
+        let farther = carried.map(|c| Transfer::new(c.node, None, optics, &unit)).transpose()?;
+
+        let (half, height) = (canvas.fft.half_width(), canvas.fft.height);
+        let mut sums = vec![vec![Complex::new(0.0, 0.0); half * height]; components.len()];
+        let mut columns: Vec<Vec<&mut [Complex<f32>]>> = (0..half).map(|_| Vec::new()).collect();
+        for sum in &mut sums {
+            for (column, part) in columns.iter_mut().zip(sum.chunks_mut(height)) {
+                column.push(part);
+            }
+        }
+        let [across, down] = &canvas.axes;
+        columns.into_par_iter().enumerate().for_each(|(kx, mut column)| {
+            let basis = &across.basis[kx];
+            let lines: Vec<_> = transfers.iter().map(|t| t.line(basis)).collect();
+            let farther = farther.as_ref().map(|t| (t, t.line(basis)));
+            let divisor = divisor.as_ref().map(|d| (d, d.line(basis)));
+            for ky in 0..=height / 2 {
+                let w = (across.w[kx].powi(2) + down.w[ky].powi(2)).sqrt();
+                let at = Frequency {
+                    w,
+                    weight: across.sinc2[kx] * down.sinc2[ky],
+                    basis: &down.basis[ky],
+                    scale: divisor.as_ref().map_or([1.0, 0.0, 0.0, 0.0], |(d, _)| d.scale(w)),
+                };
+                let mirrored = (ky > 0 && 2 * ky < height).then(|| height - ky);
+                let places = [Some(ky), mirrored].into_iter().flatten().map(|y| kx * height + y);
+                let mut sum = [Wave::default(); 2];
+                let mut direct = [Wave::default(); 2];
+                for (i, (transfer, line)) in transfers.iter().zip(&lines).enumerate() {
+                    let scattered = transfer.scattered(line, &at);
+                    let bend = if sloping { transfer.bend(&at) } else { [0.0; 4] };
+                    for (j, place) in places.clone().enumerate() {
+                        let light = self.light[i][place];
+                        add(&mut sum[j], light, &scattered);
+                        if sloping {
+                            add(&mut sum[j], self.bend[i][place], &bend);
+                        }
+                        if divisor.is_some() {
+                            add(&mut direct[j], light, &transfer.direct);
+                        }
+                    }
+                }
+                if let (Some((transfer, line)), Some(carried)) = (&farther, carried) {
+                    let whole = transfer.whole(line, &at);
+                    for (j, place) in places.clone().enumerate() {
+                        let wave = times(&carried.wave(place), &whole);
+                        sum[j].iter_mut().zip(wave).for_each(|(s, v)| *s += v);
+                    }
+                }
+                if let Some((divisor, line)) = &divisor {
+                    let [own, whole] = divisor.at(line, &at);
+                    for (sum, direct) in sum.iter_mut().zip(&direct) {
+                        sum.iter_mut().zip(times(direct, &own)).for_each(|(s, v)| *s -= v);
+                        *sum = over(sum, &whole);
+                    }
+                }
+                for (sum, y) in sum.iter().zip([Some(ky), mirrored].into_iter().flatten()) {
+                    column.iter_mut().zip(components).for_each(|(out, &c)| out[y] = sum[c]);
+                }
+            }
+        });
+        Ok(sums)
+    }
+
+    /// Takes the light at the segment's screen through it; `fields` are image and derivatives there, without the
+    /// direct light.
+    pub(super) fn pass(
+        &self,
+        gate: &Gate,
+        canvas: &Canvas,
+        medium: &Medium,
+        mut fields: Vec<Vec<f32>>,
+    ) -> Carried {
+        self.add_direct(medium, gate.node.z, &mut fields);
+        let masked = fields.into_iter().map(|mut field| {
+            field.iter_mut().zip(&gate.open).for_each(|(v, open)| *v *= open);
+            canvas.fft.forward(field)
+        });
+        Carried { node: gate.node, spectra: masked.collect() }
+    }
+}
+
+impl Gate {
+    fn new(canvas: &Canvas, screen: &Screen) -> Self {
+        let mut open = vec![1.0; canvas.pixels()];
+        for place in canvas.places() {
+            if screen.opaque[place.of] {
+                open[place.at] = 0.0;
+            }
+        }
+        Self { node: Node { z: screen.z, pitch: screen.pitch }, open }
+    }
+}
+
+impl Carried {
+    fn wave(&self, place: usize) -> Wave {
+        std::array::from_fn(|c| self.spectra.get(c).map_or(Complex::default(), |s| s[place]))
+    }
+}
+
+fn add(sum: &mut Wave, light: Complex<f32>, factor: &[f32; 4]) {
+    for (s, f) in sum.iter_mut().zip(factor) {
+        *s += light * f;
+    }
+}

@@ -1,0 +1,161 @@
+//! The transfer function from a slice to what its light must pass next: the camera, or a screen.
+//!
+//! For z1 < z2 the quotient M_z2/M_z1 is itself a transfer function, that of the scattering with lever arms between
+//! z1 and z2. On pixels it is the quotient of both depths' pixel transfer functions T + s̃ ([`footprint`]), so that a
+//! screen which covers nothing changes nothing. In f32, quotients are formed in units of the screen's own M(|w|):
+//!
+//! `(T_i + s̃_i) / (T_k + s̃_k) = [b_i + T_i/M + a_i/M] / [b_k + T_k/M + a_k/M]`,
+//!
+//! b being the baseband s sinc²sinc²/M and a the aliases: every number is at most of the order of 1, however little
+//! light is left at a frequency.
+//!
+//! [`footprint`]: super::footprint
+
+use super::Optics;
+use super::slices::Node;
+use super::tables::{AliasLine, AliasTable, Basis, Lanes, RadialTable, lanes};
+use crate::error::Result;
+use crate::spread::{Dual, SpreadKernel};
+use rustfft::num_complex::Complex;
+
+/// A complex amplitude and its derivatives in sigma_s, sigma_a, B.
+pub(super) type Wave = [Complex<f32>; 4];
+
+/// `wave` times `factor`, by the product rule.
+pub(super) fn times(wave: &Wave, factor: &Lanes) -> Wave {
+    let value = wave[0];
+    std::array::from_fn(|c| if c == 0 { value * factor[0] } else { wave[c] * factor[0] + value * factor[c] })
+}
+
+/// `wave` over `divisor`, by the quotient rule.
+pub(super) fn over(wave: &Wave, divisor: &Lanes) -> Wave {
+    let inverse = 1.0 / divisor[0];
+    let value = wave[0] * inverse;
+    std::array::from_fn(|c| if c == 0 { value } else { (wave[c] - value * divisor[c]) * inverse })
+}
+
+/// The product of `a` and `b`.
+pub(super) fn product(a: &Lanes, b: &Lanes) -> Lanes {
+    std::array::from_fn(|c| if c == 0 { a[0] * b[0] } else { a[c] * b[0] + a[0] * b[c] })
+}
+
+/// Share of a screen's light below which its transfer function counts as 0.
+const NOTHING: f64 = 1e-30;
+
+/// What transfer functions are divided by: M of a screen, or 1 for the camera.
+pub(super) struct Unit<'a> {
+    screen: Option<(Box<dyn SpreadKernel + 'a>, f64)>,
+    scale: f64,
+}
+
+impl<'a> Unit<'a> {
+    pub(super) fn new(screen: Option<Node>, optics: &Optics<'a>) -> Result<Self> {
+        let Some(node) = screen else { return Ok(Self { screen: None, scale: 1.0 }) };
+        let kernel = optics.kernel(node.z)?;
+        let least = (NOTHING * kernel.mtf(0.0).value).max(f64::MIN_POSITIVE);
+        let scale = kernel.direct().value.max(least);
+        Ok(Self { screen: Some((kernel, node.pitch)), scale })
+    }
+
+    /// M at `w` rad/px, never less than the scale.
+    fn at(&self, w: f64) -> Dual {
+        let Some((kernel, pitch)) = &self.screen else { return Dual::constant(1.0) };
+        let m = kernel.mtf(w / pitch);
+        if m.value >= self.scale { m } else { Dual::constant(self.scale) }
+    }
+}
+
+/// Tables of one slice's transfer function, in units of M.
+pub(super) struct Transfer {
+    baseband: RadialTable,
+    bend: Option<RadialTable>,
+    aliases: AliasTable,
+    /// T_i/T_k: the share of the screen's direct light that is this slice's.
+    pub direct: Lanes,
+    /// T_i in units of the scale.
+    unscattered: Lanes,
+}
+
+impl Transfer {
+    /// Tables of the slice at `node`; with its slope term if the rays' `nearness` there is given.
+    pub(super) fn new(node: Node, nearness: Option<f64>, optics: &Optics, unit: &Unit) -> Result<Self> {
+        let kernel = optics.kernel(node.z)?;
+        let k = |w: f64| w / node.pitch;
+        let table =
+            |f: &dyn Fn(f64) -> Dual| RadialTable::new(&*kernel, node.pitch, |w| f(k(w)) / unit.at(w));
+        let way = node.z - unit.screen.as_ref().map_or(0.0, |(kernel, _)| kernel.path_length());
+        let direct = (-optics.medium.sigma_t() * way).exp();
+        Ok(Self {
+            baseband: table(&|k| kernel.scattered_transfer(k)),
+            bend: nearness.map(|nearness| table(&|k| kernel.mean_slope(k, nearness))),
+            aliases: AliasTable::new(&*kernel, node.pitch, unit.scale),
+            direct: lanes(&Dual { value: direct, gradient: [-way * direct, -way * direct, 0.0] }),
+            unscattered: lanes(&(1.0 / unit.scale * kernel.direct())),
+        })
+    }
+
+    pub(super) fn line(&self, basis: &Basis) -> AliasLine {
+        self.aliases.line(basis)
+    }
+
+    /// Scattered light at frequency `at`.
+    pub(super) fn scattered(&self, line: &AliasLine, at: &Frequency) -> Lanes {
+        let baseband = self.baseband.at(at.w);
+        let beyond = product(&line.at(at.basis), &at.scale);
+        std::array::from_fn(|c| at.weight * baseband[c] + beyond[c])
+    }
+
+    /// Scattered and unscattered light at frequency `at`.
+    pub(super) fn whole(&self, line: &AliasLine, at: &Frequency) -> Lanes {
+        let (scattered, direct) = (self.scattered(line, at), product(&self.unscattered, &at.scale));
+        std::array::from_fn(|c| scattered[c] + direct[c])
+    }
+
+    /// Factor of the slope term's source at frequency `at`; 0 without slopes.
+    pub(super) fn bend(&self, at: &Frequency) -> Lanes {
+        self.bend.as_ref().map_or([0.0; 4], |table| table.at(at.w).map(|v| at.weight * v))
+    }
+}
+
+/// A frequency, and what all slices need there.
+pub(super) struct Frequency<'a> {
+    /// |w|, rad/px.
+    pub w: f64,
+    /// sinc² sinc².
+    pub weight: f32,
+    /// Basis of the aliases along y.
+    pub basis: &'a Basis,
+    /// The scale over M.
+    pub scale: Lanes,
+}
+
+/// Tables of the divisor: the screen's own transfer function, and the scale, in units of M.
+pub(super) struct Divisor {
+    own: Transfer,
+    scale: RadialTable,
+}
+
+impl Divisor {
+    pub(super) fn new(node: Node, optics: &Optics, unit: &Unit) -> Result<Self> {
+        let kernel = optics.kernel(node.z)?;
+        let scale = RadialTable::new(&*kernel, node.pitch, |w| Dual::constant(unit.scale) / unit.at(w));
+        Ok(Self { own: Transfer::new(node, None, optics, unit)?, scale })
+    }
+
+    pub(super) fn line(&self, basis: &Basis) -> AliasLine {
+        self.own.line(basis)
+    }
+
+    /// The scale over M at `w` rad/px.
+    pub(super) fn scale(&self, w: f64) -> Lanes {
+        self.scale.at(w)
+    }
+
+    /// The screen's scattered light, and all of its light, at frequency `at`.
+    pub(super) fn at(&self, line: &AliasLine, at: &Frequency) -> [Lanes; 2] {
+        let mut whole = self.own.whole(line, at);
+        // At least sinc² sinc² ≥ .16 but where the light is below [`NOTHING`].
+        whole[0] = whole[0].max(0.1);
+        [self.own.scattered(line, at), whole]
+    }
+}

@@ -1,0 +1,146 @@
+//! A depth map as surfaces: its edges, its noise and its slopes.
+
+use super::Slopes;
+use crate::geometry::{EDGE_PITCHES, Field, Geometry};
+
+/// Steps of less than this many times the map's noise are no edges: 5.7 standard deviations of a step between two
+/// noisy pixels, one false edge in 10⁸.
+const EDGE_NOISES: f64 = 8.0;
+
+/// Distances of one layer.
+pub(super) struct DepthMap<'a> {
+    pub geometry: &'a Geometry,
+    /// Row-major; infinite where there is no object.
+    pub distance: Vec<f64>,
+    /// Least step that can be an edge, because of the noise.
+    least_step: f64,
+}
+
+impl<'a> DepthMap<'a> {
+    pub(super) fn new(geometry: &'a Geometry, field: &Field) -> Self {
+        let (width, height) = (geometry.width, geometry.height);
+        let at = |i: usize| field.distance(i % width, i / width).unwrap_or(f64::INFINITY);
+        let distance: Vec<f64> = (0..width * height).map(at).collect();
+        let least_step = EDGE_NOISES * noise(&distance, width);
+        Self { geometry, distance, least_step }
+    }
+
+    /// The neighbours of pixel `i`: left, right, above, below.
+    pub(super) fn neighbours(&self, i: usize) -> [Option<usize>; 4] {
+        let width = self.geometry.width;
+        [
+            (i % width > 0).then(|| i - 1),
+            (i % width + 1 < width).then_some(i + 1),
+            i.checked_sub(width),
+            (i + width < self.distance.len()).then_some(i + width),
+        ]
+    }
+
+    /// Whether neighbours at distances `a` and `b`, one of them pixel `i`, belong to different surfaces.
+    pub(super) fn is_edge(&self, i: usize, a: f64, b: f64) -> bool {
+        let step = (a - b).abs();
+        let width = self.geometry.width;
+        let pitch = || self.geometry.pixel_pitch(i % width, i / width, a.min(b));
+        step.is_nan() || step > self.least_step && step > EDGE_PITCHES * pitch()
+    }
+
+    /// Path length in the medium to `distance` along the ray of pixel `i`.
+    pub(super) fn path_length(&self, i: usize, distance: f64) -> f64 {
+        distance - self.geometry.surface.at(i % self.geometry.width, i / self.geometry.width)
+    }
+
+    /// Central differences of neighbours on the same surface, one-sided where only one is, 0 where none is; `None` if
+    /// all of them are 0.
+    pub(super) fn slopes(&self) -> Option<Slopes> {
+        let slope = |i: usize, before: Option<usize>, after: Option<usize>| {
+            let step = |j: Option<usize>| {
+                let j = j.filter(|&j| !self.is_edge(i, self.distance[i], self.distance[j]))?;
+                Some(self.distance[j] - self.distance[i])
+            };
+            let slope = match (step(before), step(after)) {
+                (Some(a), Some(b)) => 0.5 * (b - a),
+                (Some(a), None) => -a,
+                (None, Some(b)) => b,
+                (None, None) => 0.0,
+            };
+            slope as f32
+        };
+        let at = |i: usize| {
+            let [left, right, above, below] = self.neighbours(i);
+            [slope(i, left, right), slope(i, above, below)]
+        };
+        let slopes: Slopes = (0..self.distance.len()).map(at).collect();
+        slopes.iter().any(|s| *s != [0.0; 2]).then_some(slopes)
+    }
+}
+
+/// Standard deviation of the noise of a depth map, from the median second difference along its rows: slopes do not
+/// count in it, edges hardly.
+fn noise(distance: &[f64], width: usize) -> f64 {
+    let mut bends: Vec<f64> = distance
+        .chunks(width)
+        .flat_map(|row| row.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()))
+        .filter(|bend| bend.is_finite())
+        .collect();
+    if bends.is_empty() {
+        return 0.0;
+    }
+    let middle = bends.len() / 2;
+    // The median of |x| is .6745 standard deviations of a normal x, and a second difference has variance 1 + 4 + 1.
+    bends.select_nth_unstable_by(middle, f64::total_cmp).1.to_owned() / (0.6745 * 6.0_f64.sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Image;
+    use rand_core::{Rng, SeedableRng};
+    use rand_xoshiro::Xoshiro256PlusPlus;
+
+    /// A plane with slope `slope` (length per pixel) in x beside one that lies `step` farther, with noise.
+    fn relief(slope: f64, step: f64, noise: f64) -> Geometry {
+        let mut geometry = Geometry::planar(40, 30, 0.01, 1.0).unwrap();
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(1);
+        let mut uniform = || ((rng.next_u64() >> 11) as f64 + 0.5) / (1u64 << 53) as f64;
+        let mut normal = || (-2.0 * uniform().ln()).sqrt() * (std::f64::consts::TAU * uniform()).cos();
+        geometry.depth = Field::Map(Image::from_fn(40, 30, |x, _| {
+            let beyond = if x < 20 { 0.0 } else { step };
+            (1.0 + slope * x as f64 + beyond + noise * normal()) as f32
+        }));
+        geometry
+    }
+
+    fn map(geometry: &Geometry) -> DepthMap<'_> {
+        DepthMap::new(geometry, &geometry.depth)
+    }
+
+    fn edges(map: &DepthMap) -> Vec<usize> {
+        let to = |i: usize, side: usize| {
+            map.neighbours(i)[side].is_some_and(|j| map.is_edge(i, map.distance[i], map.distance[j]))
+        };
+        (0..map.distance.len()).filter(|&i| to(i, 1) || to(i, 3)).collect()
+    }
+
+    #[test]
+    fn a_noisy_depth_map_is_cut_at_its_step_and_nowhere_else() {
+        for (slope, step, noise) in [(0.0, 0.5, 0.0), (0.02, 0.5, 0.0), (0.0, 0.5, 0.03), (0.02, 0.5, 0.03)] {
+            let geometry = relief(slope, step, noise);
+            let map = map(&geometry);
+            assert!((map.least_step / EDGE_NOISES - noise).abs() <= 0.1 * noise + 1e-7);
+            let found = edges(&map);
+            assert_eq!(found, (0..30).map(|y| 40 * y + 19).collect::<Vec<_>>(), "{slope} {noise}");
+        }
+    }
+
+    #[test]
+    fn a_step_within_the_noise_is_no_edge() {
+        assert!(edges(&map(&relief(0.0, 0.1, 0.03))).is_empty());
+    }
+
+    #[test]
+    fn slopes_stop_at_edges() {
+        let slopes = map(&relief(0.01, 0.5, 0.0)).slopes().unwrap();
+        assert!(slopes.iter().all(|s| (s[0] - 0.01).abs() < 1e-6 && s[1] == 0.0));
+        assert!(map(&relief(0.0, 0.5, 0.0)).slopes().is_none());
+    }
+}

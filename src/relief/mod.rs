@@ -1,0 +1,114 @@
+//! The relief of an object: its slopes, and the depth edges at which a near surface covers a far one.
+//!
+//! Eq. 29 of Shinya et al. lets the light of every object pixel spread freely. What it leaves out is told apart here,
+//! from the geometry alone:
+//!
+//! - **Slopes.** Within a surface nothing hides anything, but paths that run along the slope of the geometric depth
+//!   d meet it at another rate: each pixel has its own [`slope`](Slopes).
+//! - **Screens.** Across an edge the near surface stops the light of what lies behind it. A few depths, the
+//!   [`screens`](Relief::screens), stand for all edges; at each of them some pixels are opaque.
+//! - **Hidden light.** What lies behind opaque pixels is known from further layers, or not at all: then it is supposed
+//!   to go on as it is on the far side of the edge, and what it may send counts as hidden.
+//!
+//! Two neighbouring pixels belong to one surface unless their depths differ by more than
+//! [`EDGE_PITCHES`](crate::geometry::EDGE_PITCHES) pixel lengths, and by more than eight times the depth map's own
+//! noise (`map`).
+
+mod map;
+mod peel;
+mod screens;
+
+use crate::geometry::{Field, Geometry};
+use map::DepthMap;
+use peel::Front;
+pub use screens::MOST_SCREENS;
+
+/// Slope of the depth along x and y at every pixel of a layer, length per pixel.
+pub type Slopes = Vec<[f32; 2]>;
+
+/// A depth at which near surfaces cover what lies behind.
+#[derive(Debug, Clone)]
+pub struct Screen {
+    /// Distance from the camera: what lies beyond must pass the screen.
+    pub distance: f64,
+    /// Path length in the medium that stands for all of the screen, length.
+    pub z: f64,
+    /// Length of a pixel at the screen.
+    pub pitch: f64,
+    /// Whether a pixel (row-major over the object image) lets no light pass.
+    pub opaque: Vec<bool>,
+    /// Distance of what is supposed, but not known, to lie behind each opaque pixel; 0 elsewhere.
+    pub hidden: Field,
+}
+
+/// Slopes and screens of an object.
+#[derive(Debug, Clone)]
+pub struct Relief {
+    /// Slopes of the object and of each further layer; `None` for a layer without any.
+    pub slopes: Vec<Option<Slopes>>,
+    /// From near to far.
+    pub screens: Vec<Screen>,
+}
+
+impl Relief {
+    /// The relief of `geometry`.
+    pub fn new(geometry: &Geometry) -> Self {
+        let fields = || std::iter::once(&geometry.depth).chain(&geometry.behind);
+        if fields().count() == 1 && matches!(geometry.depth, Field::Uniform(_)) {
+            return Self { slopes: vec![None], screens: Vec::new() };
+        }
+        let maps: Vec<DepthMap> = fields().map(|field| DepthMap::new(geometry, field)).collect();
+        let slopes = maps.iter().map(DepthMap::slopes).collect();
+        let mut front = Front::new(&maps);
+        let mut screens = Vec::new();
+        for distance in screens::distances(&maps) {
+            let (opaque, hidden) = front.peel(distance);
+            if opaque.contains(&true) {
+                screens.push(screen(geometry, distance, opaque, hidden));
+            }
+        }
+        settle_path_lengths(&mut screens, &maps);
+        Self { slopes, screens }
+    }
+
+    /// Whether every pixel's light spreads freely, as eq. 29 has it.
+    pub fn is_flat(&self) -> bool {
+        self.screens.is_empty() && self.slopes.iter().all(Option::is_none)
+    }
+
+    /// Whether some light may come from what no image shows.
+    pub fn hides(&self) -> bool {
+        let any =
+            |screen: &Screen| matches!(&screen.hidden, Field::Map(map) if map.data.iter().any(|&d| d > 0.0));
+        self.screens.iter().any(any)
+    }
+}
+
+/// The screen at `distance`; path length and pitch are the medians over its opaque pixels.
+fn screen(geometry: &Geometry, distance: f64, opaque: Vec<bool>, hidden: Field) -> Screen {
+    let width = geometry.width;
+    let pixels = || (0..opaque.len()).filter(|&i| opaque[i]).map(|i| (i % width, i / width));
+    let z = median(pixels().map(|(x, y)| distance - geometry.surface.at(x, y)).collect());
+    let pitch = median(pixels().map(|(x, y)| geometry.pixel_pitch(x, y, distance)).collect());
+    Screen { distance, z, pitch, opaque, hidden }
+}
+
+/// Under an uneven surface of the medium, a screen's path length may exceed that of something behind it; light does
+/// not gain on its way, so the shorter one then stands for both.
+fn settle_path_lengths(screens: &mut [Screen], maps: &[DepthMap]) {
+    let mut beyond = f64::INFINITY;
+    for screen in screens.iter_mut().rev() {
+        for map in maps {
+            let behind = |(i, &d): (usize, &f64)| {
+                (d > screen.distance && d.is_finite()).then(|| map.path_length(i, d))
+            };
+            beyond = map.distance.iter().enumerate().filter_map(behind).fold(beyond, f64::min);
+        }
+        screen.z = screen.z.min(beyond);
+    }
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
