@@ -53,7 +53,13 @@ class Stage:
         return 2 * math.tan(math.radians(self.fov_x_deg) / 2) / self.size_px
 
     @property
+    def half_width(self):
+        """Half the width that the object image spans at the farthest point."""
+        return self.step * self.size_px / 2 * (1 if self.fov_x_deg is None else self.deepest)
+
+    @property
     def medium(self):
+        """The medium as the slab takes it."""
         b = math.radians(self.spread_angle_deg) ** 2 / 4
         return Medium(self.sigma_s, self.sigma_a, b)
 
@@ -64,7 +70,7 @@ def sensor(stage):
     crop = {"crop_offset_x": corner, "crop_offset_y": corner}
     crop |= {"crop_width": stage.view_px, "crop_height": stage.view_px}
     if stage.fov_x_deg is None:
-        z, half_width = stage.surface - CAMERA_BEFORE, stage.pixel_pitch * stage.size_px / 2
+        z, half_width = stage.surface - CAMERA_BEFORE, stage.half_width
         lens = {"type": "orthographic"}
     else:
         z, half_width = 0.0, 1.0
@@ -81,7 +87,7 @@ def sensor(stage):
 
 def stage_world(stage):
     """Return the Mitsuba scene of the shapes in their medium."""
-    half_width = stage.deepest * (BESIDE + stage.step * stage.size_px / 2)
+    half_width = BESIDE * stage.deepest + stage.half_width
     slab = medium_slab(stage.medium, stage.surface, BEHIND * stage.deepest, half_width)
     parts = {"integrator": integrator(), "sensor": sensor(stage), "medium": slab}
     return mi.load_dict({"type": "scene", **parts, **stage.shapes()})
@@ -109,6 +115,7 @@ NEAR, FAR = 1.0, 2.5
 
 
 def planes():
+    """Return the two planes; their texels are the pixels of the image."""
     half = PLANES_PX * PLANES_PITCH / 2
     near = leaves_with_detail(np.random.default_rng(21), PLANES_PX)[:, : PLANES_PX // 2]
     far = natural_checker(np.random.default_rng(22), PLANES_PX)
@@ -129,6 +136,7 @@ TILT_MIDDLE = 2.0
 
 
 def tilt():
+    """Return the plane; the columns of its texels are those of the image."""
     half = TILT_PX * TILT_PITCH / 2
     texture = leaves_with_detail(np.random.default_rng(23), TILT_PX)
     place = mi.ScalarTransform4f().translate([0, 0, TILT_MIDDLE]).rotate([0, 1, 0], -TILT_DEG)
@@ -150,6 +158,7 @@ BOX_TURN_DEG = 32.0
 
 
 def stage():
+    """Return the ground, the ball and the box."""
     # Ground axes: x right, y away from the camera, z up.
     ground_to_camera = (
         mi.ScalarTransform4f().translate([0, 0, GROUND]).rotate([1, 0, 0], 90 + DOWN_DEG)
