@@ -5,10 +5,11 @@ object image on the plane from which depths are counted. One world unit is the d
 deepest object point, so that Mitsuba's ray offsets suit any length unit.
 """
 
-import math
-
 import mitsuba as mi
 import numpy as np
+
+from mitsuba_parts import emission, film, integrator, medium_slab
+from scene_file import Medium
 
 # Extent of the world, in depths of the deepest object point. The medium only has to be generous;
 # much wider, and the single precision of its front face shifts the image by parts of a pixel.
@@ -76,15 +77,9 @@ def object_patches(scene):
 
 def object_mesh(scene, channel):
     """Return the Mitsuba mesh that sends out the radiance of one channel towards the camera."""
-    texture = {
-        "type": "bitmap",
-        "bitmap": mi.Bitmap(np.ascontiguousarray(scene.radiance[channel][..., None])),
-        "raw": True,
-        "filter_type": "nearest",
-    }
     properties = mi.Properties()
-    properties["emitter"] = mi.load_dict({"type": "area", "radiance": texture})
-    properties["bsdf"] = mi.load_dict({"type": "diffuse", "reflectance": 0.0})
+    for key, value in emission(scene.radiance[channel]).items():
+        properties[key] = mi.load_dict(value)
 
     vertices, places = object_patches(scene)
     first = 4 * np.arange(len(vertices), dtype=np.uint32)[:, None]
@@ -102,39 +97,11 @@ def object_mesh(scene, channel):
 
 
 def medium_box(scene, medium):
-    """Return the slab of medium, its surface index matched, as a Mitsuba shape."""
+    """Return the slab of medium around the object."""
     height, width = scene.depth.shape
-    front = scene.surface / scene.deepest
-    back = 1 + MEDIUM_BEHIND
     half_width = MEDIUM_BESIDE + max(height, width) / 2 * scene.pixel_pitch / scene.deepest
-    sigma_t = medium.sigma_s + medium.sigma_a
-    return {
-        "type": "cube",
-        "to_world": mi.ScalarTransform4f()
-        .translate([0, 0, (front + back) / 2])
-        .scale([half_width, half_width, (back - front) / 2]),
-        "bsdf": {"type": "null"},
-        "interior": {
-            "type": "homogeneous",
-            "sigma_t": sigma_t * scene.deepest,
-            "albedo": medium.sigma_s / sigma_t if sigma_t > 0 else 0.0,
-            "sample_emitters": False,  # hopeless through a narrow phase function
-            "phase": {"type": "tabphase", "values": phase_table(medium.b)},
-        },
-    }
-
-
-def phase_table(b):
-    """Return p(theta) ∝ exp(-theta²/(4b)) at nodes regular in cos theta, -1 to 1 (forward).
-
-    exp(-(1 - cos theta)/(2b)) is nearly the same function, and its width in cos theta is 2b: with
-    fifty nodes to this width linear interpolation errs by 3e-5. Mitsuba normalises the table and
-    cannot read denormal numbers.
-    """
-    nodes = max(8001, math.ceil(50 / b) + 1)
-    theta = np.arccos(np.linspace(-1, 1, nodes))
-    values = np.maximum(np.exp(-(theta**2) / (4 * b)), 1e-30)
-    return ", ".join(f"{v:.8e}" for v in values)
+    scaled = Medium(medium.sigma_s * scene.deepest, medium.sigma_a * scene.deepest, medium.b)
+    return medium_slab(scaled, scene.surface / scene.deepest, 1 + MEDIUM_BEHIND, half_width)
 
 
 def camera(scene):
@@ -151,14 +118,7 @@ def camera(scene):
         "near_clip": CAMERA_BEFORE / 2,
         "far_clip": 10.0,
         "sampler": {"type": "independent"},
-        "film": {
-            "type": "hdrfilm",
-            "width": w,
-            "height": h,
-            "pixel_format": "luminance",
-            "component_format": "float32",
-            "rfilter": {"type": "box"},
-        },
+        "film": film(w, h),
     }
 
 
@@ -167,11 +127,7 @@ def mitsuba_scene(scene, channel, medium):
     return mi.load_dict(
         {
             "type": "scene",
-            # No Russian roulette, no limit on the number of scatterings.
-            "integrator": {
-                "type": "moment",
-                "path": {"type": "volpath", "max_depth": -1, "rr_depth": 2**31 - 1},
-            },
+            "integrator": integrator(),
             "sensor": camera(scene),
             "object": object_mesh(scene, channel),
             "medium": medium_box(scene, medium),
