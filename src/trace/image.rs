@@ -137,8 +137,9 @@ impl Layer<'_> {
 struct Tracer<'a, P> {
     config: &'a ImageConfig<'a>,
     phase: &'a P,
-    /// All layers in which there is anything, nearest first.
-    layers: Vec<Layer<'a>>,
+    object: Layer<'a>,
+    /// The further layers in which there is anything.
+    behind: Vec<Layer<'a>>,
     front: Surface,
     origin: DVec3,
     /// Depth beyond which no object lies.
@@ -151,16 +152,17 @@ impl<'a, P: PhaseFunction> Tracer<'a, P> {
         let ImageConfig { geometry, radiance, behind, border, .. } = *config;
         let pixels =
             || (0..geometry.width * geometry.height).map(|i| (i % geometry.width, i / geometry.width));
-        let layers: Vec<_> = [(&geometry.depth, radiance)]
-            .into_iter()
-            .chain(geometry.behind.iter().zip(behind))
+        let layer = |depth, radiance| Layer { surface: Surface::layer(geometry, depth, border), radiance };
+        let object = layer(&geometry.depth, radiance);
+        let behind: Vec<_> = (geometry.behind.iter().zip(behind))
             .filter(|(depth, _)| pixels().any(|(x, y)| depth.distance(x, y).is_some()))
-            .map(|(depth, radiance)| Layer { surface: Surface::layer(geometry, depth, border), radiance })
+            .map(|(depth, radiance)| layer(depth, radiance))
             .collect();
         let front = Surface::front(geometry, border);
         let origin = DVec3::Z * front.depths().0;
-        let beyond = layers.iter().map(|layer| layer.surface.depths().1).fold(f64::NEG_INFINITY, f64::max);
-        Self { config, phase, layers, front, origin, beyond, key: Stream::key(config.seed) }
+        let farthest = |layer: &Layer| layer.surface.depths().1;
+        let beyond = behind.iter().map(farthest).fold(farthest(&object), f64::max);
+        Self { config, phase, object, behind, front, origin, beyond, key: Stream::key(config.seed) }
     }
 
     /// Mean and variance of the mean of pixel (`x`, `y`) of the view.
@@ -213,15 +215,21 @@ impl<'a, P: PhaseFunction> Tracer<'a, P> {
             let (depth, pixel) = layer.surface.at(u, v)?;
             Some((depth, layer.light(pixel)))
         };
-        self.layers.iter().filter_map(there).min_by(|a, b| a.0.total_cmp(&b.0))
+        [&self.object].into_iter().chain(&self.behind).filter_map(there).min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     /// Where the segment from `p` in direction `d` first meets a layer within `length`, and which.
     #[inline]
     fn meet(&self, p: DVec3, d: DVec3, length: f64) -> Option<(Meeting, &Layer<'a>)> {
-        let meetings =
-            self.layers.iter().filter_map(|layer| Some((layer.surface.meet(p, d, length)?, layer)));
-        meetings.min_by(|(a, _), (b, _)| a.distance.total_cmp(&b.distance))
+        let mut first = self.object.surface.meet(p, d, length).map(|meeting| (meeting, &self.object));
+        for layer in &self.behind {
+            if let Some(meeting) = layer.surface.meet(p, d, length)
+                && first.is_none_or(|(nearest, _)| meeting.distance < nearest.distance)
+            {
+                first = Some((meeting, layer));
+            }
+        }
+        first
     }
 
     /// Light that a path picks up from where it is: none if it is lost.
@@ -235,12 +243,12 @@ impl<'a, P: PhaseFunction> Tracer<'a, P> {
             let step = free_path(sigma_s, stream);
             let (p, d) = (path.position.as_dvec3() + self.origin, path.direction.as_dvec3());
             if let Some((Meeting { distance, pixel }, layer)) = self.meet(p, d, f64::from(step)) {
-                return match pixel {
-                    Some(pixel) if !self.front.is_left(p, d, distance) => {
-                        (-sigma_a * (f64::from(path.length) + distance)).exp() * layer.light(pixel)
-                    }
-                    _ => 0.0,
-                };
+                let Some(pixel) = pixel else { return 0.0 };
+                if self.front.is_left(p, d, distance) {
+                    return 0.0;
+                }
+                let length = f64::from(path.length) + distance;
+                return (-sigma_a * length).exp() * layer.light(pixel);
             }
             path.advance(step);
             let gone = f64::from(path.position.z) + self.origin.z > self.beyond;
