@@ -6,6 +6,7 @@
 mod fit_options;
 mod format;
 mod images;
+mod layers;
 mod medium;
 mod observation;
 mod read;
@@ -87,6 +88,9 @@ pub struct Observation {
     pub gain: Gain,
     /// Light scattered in from the illumination.
     pub veil: Veil,
+    /// Largest hidden share of a pixel that counts: the share of its light that may come from behind nearer surfaces,
+    /// from where no layer shows anything. Above 0, at most 1.
+    pub hidden_share_max: f64,
 }
 
 /// Exposure: observed = gain · (light from the object) + veil.

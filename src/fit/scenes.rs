@@ -116,7 +116,7 @@ fn datum<'a>(scene: &'a Scene, relief: Option<&'a Relief>, i: usize) -> Datum<'a
         },
         observed: &observation.image[i].image,
         mask: observation.mask.as_ref(),
-        hidden_share_max: 0.01,
+        hidden_share_max: observation.hidden_share_max,
         noise: observation.noise,
         gain: observation.gain,
         veil: match &observation.veil {

@@ -29,10 +29,10 @@ impl Field {
         }
     }
 
-    /// The value as a distance to an object: `None` where it says that there is none.
+    /// The value at pixel (`x`, `y`) as the distance (length) of what is there, or `None` where nothing is: 0,
+    /// negative, infinite or above [`FARTHEST`].
     pub fn distance(&self, x: usize, y: usize) -> Option<f64> {
-        let d = self.at(x, y);
-        (d > 0.0 && d <= FARTHEST).then_some(d)
+        Some(self.at(x, y)).filter(|&d| d > 0.0 && d <= FARTHEST)
     }
 }
 
@@ -42,6 +42,10 @@ pub const EDGE_PITCHES: f64 = 4.0;
 
 /// The farthest distance at which an object is taken to be there (contract: beyond, a pixel is empty).
 pub const FARTHEST: f64 = 1e9;
+
+/// By which share a layer may lie before the one in front of it and still counts as repeating it: two f32 distances
+/// of one surface, each a few times rounded.
+const REPEATED: f64 = 4.0 * f32::EPSILON as f64;
 
 /// Camera, object distance and medium surface of a scene, over the object image.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,7 +58,7 @@ pub struct Geometry {
     pub camera: Camera,
     /// Distance from the camera to the object along the ray; empty pixels are 0, negative, infinite or > 1e9.
     pub depth: Field,
-    /// The same for what is known to lie behind it, nearest first.
+    /// The same for the further layers, which are known to lie behind it, nearest first.
     pub behind: Vec<Field>,
     /// Distance from the camera to the medium's surface along the ray.
     pub surface: Field,
@@ -141,7 +145,8 @@ impl Geometry {
         all.take(if constant { 1 } else { usize::MAX }).collect()
     }
 
-    /// Refuses an object before the medium's surface, and a scene without any object.
+    /// Refuses an object before the medium's surface, a scene without any object, and what
+    /// [`Geometry::check_behind`] refuses.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] that names the pixel; [`Error::NothingToFit`] if every pixel is empty.
@@ -162,10 +167,29 @@ impl Geometry {
                 }
             }
         }
-        if any {
-            Ok(())
-        } else {
-            Err(Error::NothingToFit("no pixel of the depth map shows an object".into()))
+        if !any {
+            return Err(Error::NothingToFit("no pixel of the depth map shows an object".into()));
         }
+        (0..self.behind.len()).try_for_each(|i| self.check_behind(i))
+    }
+
+    /// Refuses further layer `i` (from 0) where it lies before the medium's surface or before what is in front of it
+    /// at the same pixel.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] that names the layer, counted from 1 as in scene files, and the pixel.
+    pub fn check_behind(&self, i: usize) -> Result<()> {
+        for (x, y) in (0..self.height).flat_map(|y| (0..self.width).map(move |x| (x, y))) {
+            let Some(d) = self.behind[i].distance(x, y) else { continue };
+            let name = |what| format!("[[object.layer]] {}: {what} at pixel ({x}, {y})", i + 1);
+            let z = d - self.surface.at(x, y);
+            let ok = z > 0.0 && z.is_finite();
+            in_range(&name("depth - surface"), z, ok, "above 0: it lies before the medium's surface")?;
+            let mut in_front = self.behind[..i].iter().rev().chain([&self.depth]);
+            let nearest = in_front.find_map(|field| field.distance(x, y)).unwrap_or(0.0);
+            let ok = d >= nearest * (1.0 - REPEATED);
+            in_range(&name("depth"), d, ok, "at least that of what is in front of it there")?;
+        }
+        Ok(())
     }
 }

@@ -40,14 +40,11 @@ pub(super) struct ObjectSection {
     pub layer: Vec<LayerSection>,
 }
 
-/// A further layer behind the first: its keys are checked, its files are not read yet.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct LayerSection {
-    #[serde(rename = "radiance")]
-    pub _radiance: PathBuf,
-    #[serde(rename = "depth")]
-    pub _depth: NumberOrFile,
+    pub radiance: PathBuf,
+    pub depth: NumberOrFile,
 }
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
@@ -78,6 +75,7 @@ pub(super) struct ObservationSection {
     pub gain: NumberOrFree,
     #[serde(default)]
     pub veil: VeilValue,
+    pub hidden_share_max: Option<f64>,
 }
 
 #[derive(Debug, Deserialize)]

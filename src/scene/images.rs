@@ -11,10 +11,15 @@ use std::path::{Path, PathBuf};
 /// The clear image: finite and not negative.
 pub(super) fn radiance(path: &Path) -> Result<Vec<Channel>> {
     let channels = ExrFile::read(path)?.radiance()?;
-    for channel in &channels {
-        check_pixels(path, channel, "at least 0 and at most 1e30", |v| (0.0..=1e30).contains(&v))?;
-    }
+    check_radiance(path, &channels)?;
     Ok(channels)
+}
+
+/// Refuses the first pixel that is not finite or negative.
+pub(super) fn check_radiance(path: &Path, channels: &[Channel]) -> Result<()> {
+    channels.iter().try_for_each(|channel| {
+        check_pixels(path, channel, "at least 0 and at most 1e30", |v| (0.0..=1e30).contains(&v))
+    })
 }
 
 /// A distance and the file it came from, if any.
@@ -23,17 +28,18 @@ pub(super) struct Distance {
     pub path: Option<PathBuf>,
 }
 
-/// `[object] depth`: NaN is an error, and so is a number that means no object. `object` is the object image's path
-/// and size.
+/// The depth of the object or of a further layer, as `key` says: NaN is an error, and so is a number that means no
+/// object. `object` is the object image's path and size.
 pub(super) fn depth(
     source: &Source,
+    key: &str,
     value: &NumberOrFile,
     object: (&Path, (usize, usize)),
 ) -> Result<Distance> {
     match value {
         NumberOrFile::Number(v) => {
             let ok = *v > 0.0 && *v <= FARTHEST;
-            source.in_range("[object] depth", *v, ok, "above 0 and at most 1e9")?;
+            source.in_range(key, *v, ok, "above 0 and at most 1e9")?;
             Ok(Distance { field: Field::Uniform(*v), path: None })
         }
         NumberOrFile::File(named) => {

@@ -9,6 +9,9 @@ use crate::image::{Channel, Image, View};
 use crate::io::exr::{self, ExrFile};
 use std::path::{Path, PathBuf};
 
+/// Default of `hidden_share_max`: less than this is lost in the noise of ordinary images.
+const HIDDEN_SHARE_MAX: f64 = 0.01;
+
 /// The part of the object image, `object` (width, height) px large, that is seen. Its size is that of the observed
 /// image; to render or trace, `size_px` comes first, and without either it is all of the object.
 pub(super) fn view(
@@ -111,7 +114,11 @@ pub(super) fn read_observation(
             Veil::Image(read_veil(source.resolve(file), &names, (&path, size), mask.as_ref())?)
         }
     };
-    Ok(Observation { path, image, noise, mask, gain, veil })
+    let share = section.hidden_share_max.unwrap_or(HIDDEN_SHARE_MAX);
+    let ok = share > 0.0 && share <= 1.0;
+    let key = "[observation] hidden_share_max";
+    let hidden_share_max = source.in_range(key, share, ok, "above 0 and at most 1")?;
+    Ok(Observation { path, image, noise, mask, gain, veil, hidden_share_max })
 }
 
 fn read_mask(path: &Path, observed: (&Path, (usize, usize))) -> Result<Image> {

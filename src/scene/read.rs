@@ -3,13 +3,14 @@
 use super::fit_options::read_fit;
 use super::format::{CameraSection, DepthKind, SceneFile, parse};
 use super::images::{Distance, along_rays, depth, radiance, surface};
+use super::layers::read_layers;
 use super::medium::read_medium;
 use super::observation::{read_observation, view};
 use super::source::Source;
 use super::{Purpose, Scene};
 use crate::error::{Error, Result};
 use crate::geometry::{Camera, Geometry};
-use crate::image::{Border, Channel};
+use crate::image::{Border, Channel, Image};
 use std::path::Path;
 
 impl Scene {
@@ -17,14 +18,10 @@ impl Scene {
     ///
     /// # Errors
     /// Whatever is wrong first, with file and key or pixel: [`Error::Read`], [`Error::Scene`],
-    /// [`Error::MissingChannel`], [`Error::WrongSize`], [`Error::BadPixel`], [`Error::NothingToFit`], or
-    /// [`Error::NotBuilt`] for `[[object.layer]]`.
+    /// [`Error::MissingChannel`], [`Error::WrongSize`], [`Error::BadPixel`], or [`Error::NothingToFit`].
     pub fn read(path: &Path, purpose: Purpose) -> Result<Self> {
         let source = Source { path };
         let file: SceneFile = parse(&source)?;
-        if !file.object.layer.is_empty() {
-            return Err(Error::NotBuilt(format!("{}: [[object.layer]]", path.display())));
-        }
         let camera = camera(&source, &file.camera)?;
         let object_path = source.resolve(&file.object.radiance);
         let object = radiance(&object_path)?;
@@ -33,20 +30,21 @@ impl Scene {
         let fit = read_fit(&source, &file.fit, channels)?;
 
         let size = (object[0].image.width, object[0].image.height);
-        let depth = depth(&source, &file.object.depth, (&object_path, size))?;
+        let depth = depth(&source, "[object] depth", &file.object.depth, (&object_path, size))?;
         let surface = surface(&source, &file.object.surface, (&object_path, size))?;
-        let geometry = geometry(path, camera, size, (depth, surface), file.object.depth_kind)?;
+        let kind = file.object.depth_kind;
+        let mut geometry = geometry(path, camera, size, (depth, surface), kind)?;
+        let behind = read_layers(&source, &file.object.layer, kind, (&object_path, &object), &mut geometry)?;
         let border = file.object.border;
         let section = file.observation.as_ref();
         let view = view(&source, section, size, purpose)?;
         let observation = match purpose {
             Purpose::Render => None,
             Purpose::Fit => {
-                check_contrast(&object_path, &object, &geometry, border)?;
+                check_contrast(&object_path, (&object, &behind), &geometry, border)?;
                 Some(read_observation(&source, section, &object, view)?)
             }
         };
-        let behind = vec![Vec::new(); channels];
         Ok(Self { path: path.into(), object, behind, geometry, border, view, observation, medium, fit })
     }
 }
@@ -82,13 +80,21 @@ fn geometry(
     Ok(geometry)
 }
 
-/// Refuses an object image of which a medium could not be told: one without light, or of one value everywhere,
-/// outside included.
-fn check_contrast(path: &Path, object: &[Channel], geometry: &Geometry, border: Border) -> Result<()> {
-    for channel in object {
+/// Refuses an object of which a medium could not be told: one whose clear view, further layers included, is without
+/// light, or of one value everywhere, outside included.
+fn check_contrast(
+    path: &Path,
+    (object, behind): (&[Channel], &[Vec<Image>]),
+    geometry: &Geometry,
+    border: Border,
+) -> Result<()> {
+    for (channel, behind) in object.iter().zip(behind) {
         let pixels = (0..geometry.height).flat_map(|y| (0..geometry.width).map(move |x| (x, y)));
-        let light =
-            |(x, y): (usize, usize)| geometry.object_distance(x, y).map_or(0.0, |_| channel.image.at(x, y));
+        let light = |(x, y): (usize, usize)| {
+            let further = geometry.behind.iter().zip(behind);
+            let mut layers = [(&geometry.depth, &channel.image)].into_iter().chain(further);
+            layers.find(|(depth, _)| depth.distance(x, y).is_some()).map_or(0.0, |(_, image)| image.at(x, y))
+        };
         let (low, high) = pixels.map(light).fold((f32::MAX, 0.0_f32), |(a, b), v| (a.min(v), b.max(v)));
         let because = if high == 0.0 {
             "is black"

@@ -5,6 +5,9 @@
 //! scattering is forced to lie before the object (weight 1 - exp(-sigma_s z)) and which then goes on by chance until
 //! it meets the object, where it picks up exp(-sigma_a L) of the radiance, or is lost. Rays that see no object
 //! scatter too. The radiance is constant over a pixel of the object image.
+//!
+//! An object of several layers is met where the nearest of them is. A path that passes an edge of one and gets behind
+//! it may meet the next.
 
 use super::OPAQUE;
 use super::meeting::Meeting;
@@ -28,7 +31,7 @@ pub struct ImageConfig<'a> {
     pub radiance: &'a Image,
     /// Clear radiance of each of the geometry's further layers.
     pub behind: &'a [Image],
-    /// What lies outside the object image.
+    /// What lies outside the object image, for every layer.
     pub border: Border,
     /// The part of the object image to trace.
     pub view: View,
@@ -63,8 +66,16 @@ impl ImageConfig<'_> {
                 "the size of the object image",
             )
         };
-        same("radiance image", self.radiance)?;
-        for (name, field) in [("depth map", &g.depth), ("surface map", &g.surface)] {
+        let count = self.behind.len() as f64;
+        let each = self.behind.len() == g.behind.len();
+        in_range("radiance images of further layers", count, each, "one for each of the geometry's")?;
+        for image in [self.radiance].into_iter().chain(self.behind) {
+            same("radiance image", image)?;
+        }
+        let distances = g.behind.iter().map(|field| ("depth map of a further layer", field));
+        for (name, field) in
+            [("depth map", &g.depth), ("surface map", &g.surface)].into_iter().chain(distances)
+        {
             if let Field::Map(map) = field {
                 same(name, map)?;
             }
@@ -80,7 +91,7 @@ impl ImageConfig<'_> {
 /// Traces an image, rows in parallel; `progress` is told the number of paths of each finished row, from any thread.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] for sizes that do not fit, less than 2 samples, or an object before the medium's surface;
+/// [`Error::OutOfRange`] for sizes that do not fit, less than 2 samples, or what [`Geometry::check`] refuses;
 /// [`Error::NothingToFit`] if no pixel shows an object; [`Error::NotFinite`] if a pixel comes out so.
 pub fn trace_image<P: PhaseFunction>(
     config: &ImageConfig,
@@ -109,12 +120,26 @@ pub fn trace_image<P: PhaseFunction>(
     Ok(TracedImage { mean: plane(0), variance: plane(1), paths })
 }
 
+/// One layer of the object.
+struct Layer<'a> {
+    surface: Surface,
+    radiance: &'a Image,
+}
+
+impl Layer<'_> {
+    fn light(&self, pixel: usize) -> f64 {
+        f64::from(self.radiance.data[pixel])
+    }
+}
+
 /// A scene made ready for paths. Their z begins at the nearest point of the medium's surface, so that f32
 /// resolves the medium however far away the camera is.
 struct Tracer<'a, P> {
     config: &'a ImageConfig<'a>,
     phase: &'a P,
-    object: Surface,
+    object: Layer<'a>,
+    /// The further layers in which there is anything.
+    behind: Vec<Layer<'a>>,
     front: Surface,
     origin: DVec3,
     /// Depth beyond which no object lies.
@@ -124,11 +149,20 @@ struct Tracer<'a, P> {
 
 impl<'a, P: PhaseFunction> Tracer<'a, P> {
     fn new(config: &'a ImageConfig<'a>, phase: &'a P) -> Self {
-        let object = Surface::object(config.geometry, config.border);
-        let front = Surface::front(config.geometry, config.border);
+        let ImageConfig { geometry, radiance, behind, border, .. } = *config;
+        let pixels =
+            || (0..geometry.width * geometry.height).map(|i| (i % geometry.width, i / geometry.width));
+        let layer = |depth, radiance| Layer { surface: Surface::layer(geometry, depth, border), radiance };
+        let object = layer(&geometry.depth, radiance);
+        let behind: Vec<_> = (geometry.behind.iter().zip(behind))
+            .filter(|(depth, _)| pixels().any(|(x, y)| depth.distance(x, y).is_some()))
+            .map(|(depth, radiance)| layer(depth, radiance))
+            .collect();
+        let front = Surface::front(geometry, border);
         let origin = DVec3::Z * front.depths().0;
-        let beyond = object.depths().1;
-        Self { config, phase, object, front, origin, beyond, key: Stream::key(config.seed) }
+        let farthest = |layer: &Layer| layer.surface.depths().1;
+        let beyond = behind.iter().map(farthest).fold(farthest(&object), f64::max);
+        Self { config, phase, object, behind, front, origin, beyond, key: Stream::key(config.seed) }
     }
 
     /// Mean and variance of the mean of pixel (`x`, `y`) of the view.
@@ -158,11 +192,11 @@ impl<'a, P: PhaseFunction> Tracer<'a, P> {
         let (start, direction) = camera.ray(u, v, (width, height));
         let start = start + direction * ((surface - start.z) / direction.z);
         let mut path = Path::new((start - self.origin).as_vec3(), direction.as_vec3());
-        let Some((depth, pixel)) = self.object.at(u, v) else {
+        let Some((depth, light)) = self.seen(u, v) else {
             return self.follow(&mut path, stream);
         };
         let z = ((depth - surface) / direction.z).max(0.0);
-        let direct = medium.transmittance(z) * f64::from(self.config.radiance.data[pixel]);
+        let direct = medium.transmittance(z) * light;
         // Share of the light that is scattered before the object; the first free path is drawn from that share.
         let share = -(-medium.tau(z)).exp_m1();
         if share == 0.0 {
@@ -172,6 +206,30 @@ impl<'a, P: PhaseFunction> Tracer<'a, P> {
         path.advance(distance.min(z) as f32);
         path.scatter(self.phase, stream);
         direct + share * self.follow(&mut path, stream)
+    }
+
+    /// Depth and radiance of the nearest layer at image position (`u`, `v`) px. Where a layer repeats the one in front
+    /// of it, the latter counts.
+    fn seen(&self, u: f64, v: f64) -> Option<(f64, f64)> {
+        let there = |layer: &Layer| {
+            let (depth, pixel) = layer.surface.at(u, v)?;
+            Some((depth, layer.light(pixel)))
+        };
+        [&self.object].into_iter().chain(&self.behind).filter_map(there).min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// Where the segment from `p` in direction `d` first meets a layer within `length`, and which.
+    #[inline]
+    fn meet(&self, p: DVec3, d: DVec3, length: f64) -> Option<(Meeting, &Layer<'a>)> {
+        let mut first = self.object.surface.meet(p, d, length).map(|meeting| (meeting, &self.object));
+        for layer in &self.behind {
+            if let Some(meeting) = layer.surface.meet(p, d, length)
+                && first.is_none_or(|(nearest, _)| meeting.distance < nearest.distance)
+            {
+                first = Some((meeting, layer));
+            }
+        }
+        first
     }
 
     /// Light that a path picks up from where it is: none if it is lost.
@@ -184,16 +242,13 @@ impl<'a, P: PhaseFunction> Tracer<'a, P> {
         loop {
             let step = free_path(sigma_s, stream);
             let (p, d) = (path.position.as_dvec3() + self.origin, path.direction.as_dvec3());
-            match self.object.meet(p, d, f64::from(step)) {
-                Meeting::Object { pixel, distance } => {
-                    if self.front.is_left(p, d, distance) {
-                        return 0.0;
-                    }
-                    let length = f64::from(path.length) + distance;
-                    return (-sigma_a * length).exp() * f64::from(self.config.radiance.data[pixel]);
+            if let Some((Meeting { distance, pixel }, layer)) = self.meet(p, d, f64::from(step)) {
+                let Some(pixel) = pixel else { return 0.0 };
+                if self.front.is_left(p, d, distance) {
+                    return 0.0;
                 }
-                Meeting::Dark => return 0.0,
-                Meeting::Nothing => {}
+                let length = f64::from(path.length) + distance;
+                return (-sigma_a * length).exp() * layer.light(pixel);
             }
             path.advance(step);
             let gone = f64::from(path.position.z) + self.origin.z > self.beyond;

@@ -2,15 +2,13 @@
 
 use crate::image::Border;
 
-/// What a segment meets first.
+/// Where a segment first meets a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Meeting {
-    /// Nothing.
-    Nothing,
-    /// The lit side of the object: the pixel's index, and the distance from the segment's start.
-    Object { pixel: usize, distance: f64 },
-    /// The rear of an object, which sends no light, or the dark outside of the image.
-    Dark,
+pub(super) struct Meeting {
+    /// Distance from the segment's start.
+    pub distance: f64,
+    /// Index of the pixel whose lit side is met; `None` is dark: the rear of a surface, or outside of the image.
+    pub pixel: Option<usize>,
 }
 
 /// Index of the pixel that stands for a column.

@@ -135,38 +135,38 @@ impl Patches {
         if self.border == Border::Zero { segment.over_image(self.size) } else { Some(segment) }
     }
 
-    /// First meeting with the object.
+    /// First meeting with the surface.
     ///
     /// While the segment is before the patches, crossing one is a hit. So is entering a column already behind its
     /// patch from a column of the same surface: the patches do not join without cracks. From a column of another
     /// surface, across a depth edge, it means that the path went past the edge and is hidden: it meets nothing until
     /// it comes out beyond the near surface again. The rear of a surface is dark.
-    pub(super) fn meet(&self, p: DVec3, d: DVec3, length: f64) -> Meeting {
-        let Some(segment) = self.clipped(p, d, length) else { return Meeting::Nothing };
+    pub(super) fn meet(&self, p: DVec3, d: DVec3, length: f64) -> Option<Meeting> {
+        let segment = self.clipped(p, d, length)?;
         let mut last: Option<Patch> = None;
         let mut before = true;
-        let found = march(&segment, |column, entry, exit| {
+        march(&segment, |column, entry, exit| {
             let patch = self.patch(column);
             let (f_in, f_out) =
                 (patch.height_beyond(segment.at(entry)), patch.height_beyond(segment.at(exit)));
-            let hit = |s| Meeting::Object { pixel: patch.pixel, distance: segment.distance(s) };
+            // The lit side if the segment comes from before the patch, else its rear.
+            let hit = |before: bool, s| {
+                let pixel = before.then_some(patch.pixel);
+                ControlFlow::Break(Meeting { distance: segment.distance(s), pixel })
+            };
             let now = f_in < 0.0;
             match &last {
                 Some(last) if now != before && self.joined(last, &patch) => {
-                    return ControlFlow::Break(if before { hit(entry) } else { Meeting::Dark });
+                    return hit(before, entry);
                 }
                 _ => before = now,
             }
-            if before && f_out >= 0.0 {
-                return ControlFlow::Break(hit(entry + (exit - entry) * f_in / (f_in - f_out)));
-            }
-            if !before && f_out < 0.0 {
-                return ControlFlow::Break(Meeting::Dark);
+            if before != (f_out < 0.0) {
+                return hit(before, entry + (exit - entry) * f_in / (f_in - f_out));
             }
             last = Some(patch);
             ControlFlow::Continue(())
-        });
-        found.unwrap_or(Meeting::Nothing)
+        })
     }
 
     /// Whether a segment that starts behind the patches comes to lie before them. One that starts on its patch and
@@ -236,11 +236,11 @@ mod tests {
                 let direction = DVec3::new(uniform(), uniform(), 0.6 + uniform()).normalize();
                 let truth = plane(start, direction);
                 match map.meet(start, direction, 10.0) {
-                    Meeting::Object { distance, .. } => {
+                    Some(Meeting { distance, pixel: Some(_) }) => {
                         hits += 1;
                         // The map holds f32.
                         assert!((distance - truth).abs() < 1e-5 * truth, "{start} {direction}");
-                        assert_eq!(map.meet(start, direction, 0.999 * truth), Meeting::Nothing);
+                        assert_eq!(map.meet(start, direction, 0.999 * truth), None);
                         let beyond = start + direction * 1.1 * truth;
                         let p = map.projection.project(beyond);
                         if map.at(p.x, p.y).is_some() {
@@ -271,7 +271,8 @@ mod tests {
                 let start = DVec3::new(6.0 * uniform(), 6.0 * uniform(), 1.0);
                 let direction = DVec3::new(4.0 * uniform(), 4.0 * uniform(), 1.0).normalize();
                 let through = 2.0 / direction.z;
-                assert!(matches!(map.meet(start, direction, through), Meeting::Object { .. }), "{border:?}");
+                let met = map.meet(start, direction, through);
+                assert!(met.is_some_and(|m| m.pixel.is_some()), "{border:?}");
                 assert!(map.is_left(start + direction * through, -direction, through), "{border:?}");
             }
         }

@@ -1,4 +1,4 @@
-//! The object and the medium's surface, as what a path meets: a plane, or the patches of a depth map.
+//! The object's layers and the medium's surface, as what a path meets: a plane, or the patches of a depth map.
 //!
 //! Outside the image, `Clamp` repeats the outermost pixels, `Mirror` mirrors them, `Zero` has no object. The medium
 //! does not end with the image: its surface goes on under `Zero` as under `Clamp`.
@@ -10,7 +10,7 @@ use crate::geometry::{Camera, Field, Geometry};
 use crate::image::Border;
 use glam::DVec3;
 
-/// The object, or the medium's surface.
+/// A layer of the object, or the medium's surface.
 #[derive(Debug)]
 pub(super) enum Surface {
     /// A plane at one depth Z.
@@ -20,13 +20,16 @@ pub(super) enum Surface {
 }
 
 impl Surface {
-    /// The object. One depth and parallel rays make a plane.
-    pub(super) fn object(geometry: &Geometry, border: Border) -> Self {
-        match (geometry.camera, &geometry.depth) {
-            (Camera::Orthographic { .. }, &Field::Uniform(depth)) => Self::plane(geometry, depth, border),
+    /// The layer of the object at the distances `depth`. One depth and parallel rays make a plane, if there is no
+    /// other layer: a plane has no open side by which a path could get behind it.
+    pub(super) fn layer(geometry: &Geometry, depth: &Field, border: Border) -> Self {
+        match (geometry.camera, depth) {
+            (Camera::Orthographic { .. }, &Field::Uniform(depth)) if geometry.behind.is_empty() => {
+                Self::plane(geometry, depth, border)
+            }
             _ => {
-                let depth = |x, y| geometry.object_distance(x, y).unwrap_or(f64::INFINITY);
-                Self::Patches(Patches::new(geometry, border, depth))
+                let distance = |x, y| depth.distance(x, y).unwrap_or(f64::INFINITY);
+                Self::Patches(Patches::new(geometry, border, distance))
             }
         }
     }
@@ -64,20 +67,18 @@ impl Surface {
         }
     }
 
-    /// What the segment from `p` in direction `d` meets first within `length`, if this is the object.
+    /// Where the segment from `p` in direction `d` first meets this layer within `length`.
     #[inline]
-    pub(super) fn meet(&self, p: DVec3, d: DVec3, length: f64) -> Meeting {
+    pub(super) fn meet(&self, p: DVec3, d: DVec3, length: f64) -> Option<Meeting> {
         match self {
             Self::Plane { depth, projection, border, size } => {
                 if p.z + d.z * length < *depth {
-                    return Meeting::Nothing;
+                    return None;
                 }
                 let distance = (depth - p.z) / d.z;
                 let at = projection.project(p + d * distance);
-                match pixel([at.x.floor() as i64, at.y.floor() as i64], *border, *size) {
-                    Some(pixel) => Meeting::Object { pixel, distance },
-                    None => Meeting::Dark,
-                }
+                let pixel = pixel([at.x.floor() as i64, at.y.floor() as i64], *border, *size);
+                Some(Meeting { distance, pixel })
             }
             Self::Patches(patches) => patches.meet(p, d, length),
         }

@@ -92,6 +92,23 @@ fn colours_are_traced_apart_from_each_other() {
 }
 
 #[test]
+fn a_further_layer_is_seen_through_empty_pixels() {
+    let dir = folder(&["Y"], MEDIUM);
+    let write = |name: &str, channel: &str, image: Image| {
+        exr::write(&dir.path().join(name), &[Channel { name: channel.into(), image }], &[]).unwrap();
+    };
+    write("depth.exr", "Z", Image::from_fn(SIZE, SIZE, |x, _| if x < 8 { 2.0 } else { 0.0 }));
+    write("behind.exr", "Y", Image::filled(SIZE, SIZE, 3.0));
+    let layer = "[[object.layer]]\nradiance = \"behind.exr\"\ndepth = 3.0\n[camera]";
+    let scene = SCENE.replace("2.0", "\"depth.exr\"").replace("[camera]", layer);
+    fs::write(dir.path().join("scene.toml"), format!("{scene}{MEDIUM}")).unwrap();
+    run(dir.path(), &["--samples", "2", "--sigma-s", "0", "--sigma-a", "0"]);
+    let seen = pixels(dir.path(), "Y");
+    assert_eq!((seen[0], seen[7], seen[8], seen[SIZE - 1]), (1.0, 0.2, 3.0, 3.0));
+    succeeds(dir.path(), &["render", "scene.toml", "--output", "render.exr"]);
+}
+
+#[test]
 fn the_file_says_how_it_was_made() {
     let dir = folder(&["Y"], MEDIUM);
     run(dir.path(), &["--samples", "3", "--seed", "7", "--sigma-a", "0.25", "--b", "0.004"]);

@@ -42,6 +42,7 @@ fn a_value_of_the_wrong_type_is_named() {
     let folder = Folder::new();
     folder.refuses(&with("0.95", "\"much\""), &["medium.sigma_s", "much", "a number"]);
     folder.refuses(&with("0.002", "\"low\""), &["observation.noise"]);
+    folder.refuses(&with("noise", "hidden_share_max = \"low\"\nnoise"), &["observation.hidden_share_max"]);
     folder.refuses(&with("depth = \"depth.exr\"", "depth = true"), &["object.depth", "true"]);
     folder.refuses(&with("pixel_pitch", "border = 1\npixel_pitch"), &["border"]);
     folder.refuses(&with("noise", "gain = \"auto\"\nnoise"), &["observation.gain", "auto"]);
@@ -49,14 +50,6 @@ fn a_value_of_the_wrong_type_is_named() {
     folder.refuses(&with("depth =", "depth_kind = \"z\"\ndepth ="), &["object.depth_kind", "`z`", "planar"]);
     folder.refuses("[object\n", &["scene.toml", "line 1"]);
     folder.refuses(&with("[camera]", "camera"), &["scene.toml", "line 4"]);
-}
-
-#[test]
-fn further_layers_are_not_built_yet() {
-    let folder = Folder::new();
-    let layer = "[[object.layer]]\nradiance = \"behind.exr\"\ndepth = 3.0\n[camera]";
-    folder.refuses(&with("[camera]", layer), &["[[object.layer]]", "not built yet"]);
-    folder.refuses(&with("[camera]", &layer.replace("3.0", "3.0\ndeep = 1")), &["`deep`"]);
 }
 
 #[test]
@@ -128,6 +121,12 @@ fn numbers_of_the_observation_are_checked() {
     for noise in ["0", "0.0", "-0.1", "nan"] {
         folder.refuses(&with("0.002", noise), &["scene.toml", "[observation] noise"]);
     }
+    let share = |value: &str| with("noise", &format!("hidden_share_max = {value}\nnoise"));
+    for value in ["0", "-0.1", "1.1", "nan"] {
+        folder.refuses(&share(value), &["scene.toml", "[observation] hidden_share_max", "at most 1"]);
+    }
+    let max = |text: &str| folder.read(text, Purpose::Fit).unwrap().observation.unwrap().hidden_share_max;
+    assert_eq!((max(SCENE), max(&share("1"))), (0.01, 1.0));
     for gain in ["0", "-1", "inf"] {
         folder.refuses(&with("noise", &format!("gain = {gain}\nnoise")), &["[observation] gain"]);
     }

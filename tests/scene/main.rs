@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod folder;
+mod layers;
 mod rules;
 
 #[path = "../common/program.rs"]

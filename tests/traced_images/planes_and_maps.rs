@@ -1,96 +1,15 @@
-//! Traced images against what is known exactly, and against the radial tallies.
+//! One plane or one depth map, against what is known exactly and against the radial tallies.
 
+use crate::setup::{Setup, assert_agree, assert_same_images, columns, mean};
 use glam::{DVec3, Vec3};
-use narrowbeam::geometry::{Camera, Field, Geometry};
+use narrowbeam::geometry::{Camera, Field};
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
-use narrowbeam::phase::{Gaussian, PhaseFunction};
+use narrowbeam::phase::PhaseFunction;
 use narrowbeam::trace::{
-    ImageConfig, Path, RadialConfig, Stream, TracedImage, free_path, log_spaced, trace_image, trace_radial,
+    Path, RadialConfig, Stream, TracedImage, free_path, log_spaced, trace_image, trace_radial,
 };
 use std::f64::consts::PI;
-
-/// A small scene with its medium; fields are changed by each test.
-struct Setup {
-    geometry: Geometry,
-    radiance: Image,
-    border: Border,
-    view: View,
-    medium: Medium,
-    phase: Gaussian,
-    samples: u32,
-    seed: u64,
-}
-
-impl Setup {
-    /// A plane at z = 1 behind parallel rays .02 apart, tau 2, spread angle 10 degrees.
-    fn plane(width: usize, height: usize, radiance: impl FnMut(usize, usize) -> f32) -> Self {
-        let spread = 10.0_f64.to_radians();
-        Self {
-            geometry: Geometry::planar(width, height, 0.02, 1.0).unwrap(),
-            radiance: Image::from_fn(width, height, radiance),
-            border: Border::Clamp,
-            view: View::whole(width, height),
-            medium: Medium::new(2.0, 0.1).unwrap(),
-            phase: Gaussian::new(0.25 * spread * spread).unwrap(),
-            samples: 64,
-            seed: 1,
-        }
-    }
-
-    fn config(&self) -> ImageConfig<'_> {
-        ImageConfig {
-            geometry: &self.geometry,
-            radiance: &self.radiance,
-            behind: &[],
-            border: self.border,
-            view: self.view,
-            medium: self.medium,
-            samples: self.samples,
-            seed: self.seed,
-        }
-    }
-
-    fn trace(&self) -> TracedImage {
-        trace_image(&self.config(), &self.phase, &|_| ()).unwrap()
-    }
-
-    fn size(&self) -> (usize, usize) {
-        (self.geometry.width, self.geometry.height)
-    }
-}
-
-/// Mean of a traced image and its standard error.
-fn mean(image: &TracedImage) -> (f64, f64) {
-    (image.mean.mean(), (image.variance.mean() / image.variance.data.len() as f64).sqrt())
-}
-
-/// Mean of each column and the variance of that mean.
-fn columns(image: &TracedImage) -> Vec<(f64, f64)> {
-    let (width, height) = (image.mean.width, image.mean.height);
-    let column =
-        |i: &Image, x: usize| (0..height).map(|y| f64::from(i.at(x, y))).sum::<f64>() / height as f64;
-    (0..width).map(|x| (column(&image.mean, x), column(&image.variance, x) / height as f64)).collect()
-}
-
-/// Asserts that independent estimates (value, variance, truth) agree: none 5 standard errors off, and together
-/// no more chi² than 4 of its standard deviations above its mean.
-fn assert_agree(what: &str, estimates: &[(f64, f64, f64)]) {
-    let z2 = estimates.iter().map(|(value, variance, truth)| (value - truth) * (value - truth) / variance);
-    let (chi2, worst) = z2.fold((0.0, 0.0_f64), |(sum, worst), z2| (sum + z2, worst.max(z2.sqrt())));
-    let n = estimates.len() as f64;
-    println!("{what}: chi² {chi2:.1} of {n}, worst {worst:.2}");
-    assert!(worst < 5.0, "{what}: worst {worst} standard errors");
-    assert!(chi2 < n + 4.0 * (2.0 * n).sqrt(), "{what}: chi² {chi2} of {n}");
-}
-
-/// Pairs of independent traced pixels.
-fn assert_same_images(what: &str, a: &TracedImage, b: &TracedImage) {
-    let pixels = a.mean.data.iter().zip(&a.variance.data).zip(b.mean.data.iter().zip(&b.variance.data));
-    let pairs: Vec<_> =
-        pixels.map(|((a, va), (b, vb))| (f64::from(*a), f64::from(va + vb), f64::from(*b))).collect();
-    assert_agree(what, &pairs);
-}
 
 #[test]
 fn a_uniform_plane_is_as_bright_as_all_light_of_the_radial_tally() {
@@ -278,67 +197,6 @@ fn an_empty_pixel_gets_scattered_light_only() {
     assert!(empty > 0.2 && empty < beside - 0.9 * setup.medium.transmittance(1.0), "{empty} {beside}");
     setup.medium = Medium::new(0.0, 0.0).unwrap();
     assert_eq!(setup.trace().mean.at(7, 3), 0.0);
-}
-
-/// Light from two half planes, the near one (x < 0) at z = 1 and the far one (x > 0) at z = 2.5, that reaches the
-/// camera from (`x`, 0): a tracer with analytic sheets. Returns mean and variance of the mean.
-fn two_sheets(x: [f64; 2], medium: Medium, phase: &Gaussian, paths: u64) -> (f64, f64) {
-    let key = Stream::key(77);
-    let (mut sum, mut squares) = (0.0, 0.0);
-    for i in 0..paths {
-        let mut stream = Stream::new(key, i);
-        let start = x[0] + (x[1] - x[0]) * stream.uniform_f64();
-        let mut path = Path::new(Vec3::new(start as f32, 0.0, 0.0), Vec3::Z);
-        let light = loop {
-            let step = free_path(medium.sigma_s() as f32, &mut stream);
-            let (p, d) = (path.position, path.direction);
-            let crosses = |z: f32| (p.z < z) != (p.z + step * d.z < z);
-            let x_at = |z: f32| p.x + (z - p.z) / d.z * d.x;
-            let picked = |z: f32, radiance: f64| {
-                let length = path.length + (z - p.z) / d.z;
-                radiance * (-medium.sigma_a() * f64::from(length)).exp()
-            };
-            if crosses(1.0) && x_at(1.0) < 0.0 {
-                break if d.z > 0.0 { picked(1.0, 1.0) } else { 0.0 };
-            }
-            if crosses(2.5) {
-                break if x_at(2.5) > 0.0 { picked(2.5, 3.0) } else { 0.0 };
-            }
-            path.advance(step);
-            if path.position.z < 0.0 {
-                break 0.0;
-            }
-            path.scatter(phase, &mut stream);
-        };
-        sum += light;
-        squares += light * light;
-    }
-    let n = paths as f64;
-    (sum / n, (squares / n - (sum / n) * (sum / n)) / n)
-}
-
-#[test]
-fn a_near_half_plane_hides_what_lies_behind_it() {
-    let (width, height) = (24, 8);
-    for spread_angle_deg in [10.0, 30.0_f64] {
-        let mut setup = Setup::plane(width, height, |x, _| if x < 12 { 1.0 } else { 3.0 });
-        setup.geometry.camera = Camera::orthographic(0.05).unwrap();
-        setup.geometry.depth =
-            Field::Map(Image::from_fn(width, height, |x, _| if x < 12 { 1.0 } else { 2.5 }));
-        setup.medium = Medium::new(1.2, 0.05).unwrap();
-        setup.phase = Gaussian::new(0.25 * spread_angle_deg.to_radians().powi(2)).unwrap();
-        setup.samples = 4000;
-        let traced = columns(&setup.trace());
-        let compared: Vec<_> = (0..width)
-            .step_by(2)
-            .map(|x| {
-                let left = 0.05 * (x as f64 - 12.0);
-                let (truth, noise) = two_sheets([left, left + 0.05], setup.medium, &setup.phase, 60_000);
-                (traced[x].0, traced[x].1 + noise, truth)
-            })
-            .collect();
-        assert_agree(&format!("two half planes, {spread_angle_deg}°"), &compared);
-    }
 }
 
 #[test]
