@@ -3,12 +3,19 @@
 //! At a screen, a pixel whose surface lies before it is opaque if along that surface the way to an edge over the
 //! screen's depth is shorter than the way to where the surface itself crosses that depth. So an object that stands
 //! before others is opaque as a whole, while a plane that slopes through the screen is not. Behind an opaque pixel
-//! comes the next known layer there; behind the last one, the surface across the nearest edge is supposed to go on.
+//! comes the next known layer there; behind the last one, what surrounds the opaque pixels is supposed to go on: the
+//! smoothest surface between them (a harmonic function), which continues a plane as a plane.
 
 use super::map::DepthMap;
 use crate::geometry::Field;
 use crate::image::Image;
 use std::collections::VecDeque;
+
+/// Successive over-relaxation of what is supposed: its factor, the relative change of a distance below which it ends,
+/// and its sweeps at most. It need not converge: it only has to join on to its surroundings.
+const OVER_RELAXATION: f64 = 1.9;
+const RELAXED: f64 = 1e-5;
+const MOST_SWEEPS: usize = 200;
 
 /// What is seen from the camera after some surfaces have been taken away.
 pub(super) struct Front<'a> {
@@ -41,21 +48,56 @@ impl<'a> Front<'a> {
     /// not known, to be behind them.
     pub(super) fn peel(&mut self, screen: f64) -> (Vec<bool>, Field) {
         let across = self.across(screen);
-        let width = self.maps[0].geometry.width;
-        let mut hidden = Image::filled(width, across.len() / width, 0.0);
-        for (i, supposed) in across.iter().enumerate() {
-            let Some(supposed) = supposed else { continue };
-            let next = self.layer[i] + 1;
-            if next < self.maps.len() {
-                self.show(i, next, screen);
-            } else {
-                self.distance[i] = *supposed;
-                if supposed.is_finite() {
-                    hidden.data[i] = *supposed as f32;
-                }
+        let opaque: Vec<bool> = across.iter().map(Option::is_some).collect();
+        let supposed = self.supposed(across);
+        let geometry = self.maps[0].geometry;
+        let mut hidden = Image::filled(geometry.width, geometry.height, 0.0);
+        for i in (0..opaque.len()).filter(|&i| opaque[i]) {
+            let unknown = self.layer[i] + 1 >= self.maps.len();
+            self.show(i, self.layer[i] + 1, screen);
+            if self.distance[i].is_infinite() {
+                self.distance[i] = supposed[i];
+            }
+            if unknown && supposed[i] > screen && supposed[i].is_finite() {
+                hidden.data[i] = supposed[i] as f32;
             }
         }
-        (across.iter().map(Option::is_some).collect(), Field::Map(hidden))
+        (opaque, Field::Map(hidden))
+    }
+
+    /// What may lie behind opaque pixels: `across` for a start, relaxed towards the mean of the neighbours. Neighbours
+    /// that stand before them say nothing of what is behind.
+    fn supposed(&self, across: Vec<Option<f64>>) -> Vec<f64> {
+        let (map, distance) = (&self.maps[0], &self.distance);
+        let mut supposed: Vec<f64> = across.iter().zip(distance).map(|(a, d)| a.unwrap_or(*d)).collect();
+        let opaque: Vec<usize> = (0..across.len()).filter(|&i| across[i].is_some()).collect();
+        let says = |i: usize, j: usize| {
+            across[j].is_some() || distance[j] > distance[i] || !map.is_edge(i, distance[i], distance[j])
+        };
+        let around: Vec<Vec<usize>> = opaque
+            .iter()
+            .map(|&i| map.neighbours(i).into_iter().flatten().filter(|&j| says(i, j)).collect())
+            .collect();
+        for sweep in 0..MOST_SWEEPS {
+            let mut change: f64 = 0.0;
+            for n in 0..opaque.len() {
+                // There and back, so that what is known at one end soon arrives at the other.
+                let n = if sweep % 2 == 0 { n } else { opaque.len() - 1 - n };
+                let (i, around) = (opaque[n], &around[n]);
+                let known = || around.iter().map(|&j| supposed[j]).filter(|d| d.is_finite());
+                let count = known().count();
+                if count == 0 || supposed[i].is_infinite() {
+                    continue;
+                }
+                let step = known().sum::<f64>() / count as f64 - supposed[i];
+                supposed[i] += OVER_RELAXATION * step;
+                change = change.max(step.abs() / supposed[i]);
+            }
+            if change < RELAXED {
+                break;
+            }
+        }
+        supposed
     }
 
     /// For each opaque pixel, the distance beyond `screen` across the edge that is nearest along its surface; infinite
