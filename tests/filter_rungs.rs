@@ -75,16 +75,17 @@ fn borders_agree_on_all_rungs() {
     }
 }
 
+/// Steps in depth and surface, along the camera's axis.
 fn perspective(width: usize, height: usize) -> Geometry {
-    let depth = |x: usize, y: usize| 2.0 + 0.02 * x as f32 + 0.01 * y as f32;
-    Geometry {
-        width,
-        height,
-        camera: Camera::perspective(40.0).unwrap(),
-        depth: Field::Map(Image::from_fn(width, height, depth)),
-        behind: Vec::new(),
-        surface: Field::Map(Image::from_fn(width, height, |x, _| 0.3 + 0.005 * x as f32)),
-    }
+    let camera = Camera::perspective(40.0).unwrap();
+    let depth = Field::Uniform(2.0);
+    let flat = Geometry { width, height, camera, depth, behind: Vec::new(), surface: Field::Uniform(0.3) };
+    let along_ray = |planar: &dyn Fn(usize, usize) -> f64| {
+        Field::Map(Image::from_fn(width, height, |x, y| (planar(x, y) / flat.cos_off_axis(x, y)) as f32))
+    };
+    let depth = along_ray(&|x, y| 2.0 + 0.1 * (x / 5) as f64 + 0.05 * (y / 8) as f64);
+    let surface = along_ray(&|x, _| 0.3 + 0.04 * (x / 10) as f64);
+    Geometry { depth, surface, ..flat }
 }
 
 #[test]

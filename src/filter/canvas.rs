@@ -70,6 +70,15 @@ impl Canvas {
         })
     }
 
+    /// Multiplies the part of `canvas` under `view` by `weights`.
+    pub(super) fn weigh(&self, canvas: &mut [f32], view: View, weights: &[f32]) {
+        let [left, top] = [view.x + self.padded[0].margin, view.y + self.padded[1].margin];
+        for (y, weights) in weights.chunks(view.width).enumerate() {
+            let start = (top + y) * self.fft.width + left;
+            canvas[start..].iter_mut().zip(weights).for_each(|(v, weight)| *v *= weight);
+        }
+    }
+
     /// The part of `canvas` under `view` of the object image.
     pub(super) fn crop(&self, canvas: &[f32], view: View) -> Image {
         let [left, top] = [view.x + self.padded[0].margin, view.y + self.padded[1].margin];

@@ -4,9 +4,11 @@
 //! goes from far to near: the light behind each screen is gathered there in the frequency domain, loses in the image
 //! what the screen covers, and is carried on to the next. Slices between two screens share one inverse FFT; a screen
 //! costs one more, and a forward one. Derivatives cost three times as many (two if there is a single depth, where the
-//! derivative in sigma_a is -z times the image).
+//! derivative in sigma_a is -z times the image). A perspective view takes a few renders, one for each of its
+//! [`obliquity`](super::obliquity).
 
 use super::canvas::{Canvas, most_reach};
+use super::obliquity::{Obliquities, Obliquity};
 use super::segment::Segment;
 use super::slices::{Node, Slices};
 use super::sources::{Sheet, hidden_sheets, sheets};
@@ -48,6 +50,7 @@ pub struct CpuFilter<'a> {
     target: Target<'a>,
     reach_px: f64,
     canvas: Canvas,
+    obliquities: Obliquities,
     /// From near to far; all but the first lie behind a screen.
     segments: Vec<Segment>,
 }
@@ -71,8 +74,8 @@ impl<'a> CpuFilter<'a> {
     }
 
     fn of_sheets(target: Target<'a>, sheets: &[Sheet], optics: &Optics, headroom: f64) -> Result<Self> {
-        let camera = target.geometry.camera;
-        let sliced = |nodes: &[Node]| Slices::for_tolerance(camera, nodes, optics, SLICE_TOLERANCE);
+        let divergence = target.geometry.pitch_per_depth();
+        let sliced = |nodes: &[Node]| Slices::for_tolerance(divergence, nodes, optics, SLICE_TOLERANCE);
         let slices = per_segment(&target, sheets, sliced)?;
         let reach_px = headroom * reach_px(slices.iter().flatten(), optics)?;
         Ok(Self::with(target, sheets, slices, reach_px))
@@ -82,8 +85,8 @@ impl<'a> CpuFilter<'a> {
     /// `reach_px` pixels.
     pub fn with_slices(target: Target<'a>, count: usize, reach_px: f64) -> Self {
         let sheets = sheets(&target);
-        let camera = target.geometry.camera;
-        let slices = per_segment(&target, &sheets, |nodes| Ok(Slices::new(camera, nodes, count)));
+        let divergence = target.geometry.pitch_per_depth();
+        let slices = per_segment(&target, &sheets, |nodes| Ok(Slices::new(divergence, nodes, count)));
         Self::with(target, &sheets, slices.expect("a number of slices cannot fail"), reach_px)
     }
 
@@ -95,7 +98,8 @@ impl<'a> CpuFilter<'a> {
             Segment::new((&target, &canvas), sheets, passed, screen, slices)
         };
         let segments = slices.into_iter().enumerate().map(segment).collect();
-        Self { target, reach_px, canvas, segments }
+        let obliquities = Obliquities::new(target.geometry, target.view);
+        Self { target, reach_px, canvas, obliquities, segments }
     }
 
     /// How far padding and slices serve the kernels of `optics` too.
@@ -120,18 +124,18 @@ impl<'a> CpuFilter<'a> {
         self.slices().map(|s| s.nodes.len()).sum()
     }
 
-    /// The path length of all pixels, if there is only one.
-    fn single_depth(&self) -> Option<f64> {
+    /// The only slice, if there is but one.
+    fn single_depth(&self) -> Option<Node> {
         match &self.segments[..] {
-            [Segment { slices: Some(Slices { nodes, .. }), .. }] if nodes.len() == 1 => Some(nodes[0].z),
+            [Segment { slices: Some(Slices { nodes, .. }), .. }] if nodes.len() == 1 => Some(nodes[0]),
             _ => None,
         }
     }
 
     /// Number of real 2-D FFTs that one render takes, without and with the derivatives, and their size.
     pub fn transforms(&self) -> (usize, usize, [usize; 2]) {
-        let images = 2 * self.segments.len() - 1;
-        let with_derivatives = if self.single_depth().is_some() { 3 } else { 4 * images };
+        let images = (2 * self.segments.len() - 1) * self.obliquities.count();
+        let with_derivatives = if self.single_depth().is_some() { 3 * images } else { 4 * images };
         (images, with_derivatives, [self.canvas.fft.width, self.canvas.fft.height])
     }
 
@@ -160,21 +164,40 @@ impl<'a> CpuFilter<'a> {
             self.segments.iter().for_each(|s| s.add_direct(&optics.medium, 0.0, &mut planes));
             return Ok(self.view(&planes));
         }
+        let mut sum: Option<Vec<Vec<f32>>> = None;
+        for (obliquity, weights) in self.obliquities.iter() {
+            let mut planes = self.scattered(optics, obliquity, count)?;
+            if let Some(weights) = weights {
+                planes.iter_mut().for_each(|plane| self.canvas.weigh(plane, self.target.view, weights));
+            }
+            match &mut sum {
+                None => sum = Some(planes),
+                Some(sum) => {
+                    let pairs = sum.iter_mut().flatten().zip(planes.iter().flatten());
+                    pairs.for_each(|(s, v)| *s += v);
+                }
+            }
+        }
+        let mut planes = sum.expect("there is an obliquity");
+        self.segments[0].add_direct(&optics.medium, 0.0, &mut planes);
+        Ok(self.view(&planes))
+    }
+
+    /// The same on the canvas without the direct light of the first segment, for rays of one obliquity.
+    fn scattered(&self, optics: &Optics, obliquity: Obliquity, count: usize) -> Result<Vec<Vec<f32>>> {
         let single_depth = self.single_depth();
         let components: Vec<usize> = (0..count).filter(|&c| c != 2 || single_depth.is_none()).collect();
         let mut carried = None;
         for segment in self.segments.iter().rev() {
-            let spectra = segment.gather(&self.canvas, optics, carried.as_ref(), &components)?;
+            let spectra = segment.gather(&self.canvas, (optics, obliquity), carried.as_ref(), &components)?;
             let mut fields: Vec<Vec<f32>> = spectra.into_iter().map(|s| self.canvas.fft.inverse(s)).collect();
-            if let Some(z) = single_depth.filter(|_| count == 4) {
-                fields.insert(2, fields[0].iter().map(|v| -z as f32 * v).collect());
+            if let Some(node) = single_depth.filter(|_| count == 4) {
+                let z = obliquity.tilt(node).z as f32;
+                fields.insert(2, fields[0].iter().map(|v| -z * v).collect());
             }
             match &segment.screen {
                 Some(gate) => carried = Some(segment.pass(gate, &self.canvas, &optics.medium, fields)),
-                None => {
-                    segment.add_direct(&optics.medium, 0.0, &mut fields);
-                    return Ok(self.view(&fields));
-                }
+                None => return Ok(fields),
             }
         }
         unreachable!("the first segment has no screen")

@@ -1,6 +1,6 @@
 //! The definition: eq. 29 summed pixel by pixel in real space, in f64.
 
-use super::per_depth::pixels_by_node;
+use super::per_depth::{pixels_by_node, pixels_by_obliquity};
 use super::unit_cells::UnitCells;
 use super::{Optics, Target};
 use crate::error::{Error, Result};
@@ -11,7 +11,7 @@ use rayon::prelude::*;
 pub const LARGEST: usize = 128;
 
 /// The image through the medium over the target's view, row-major: each object pixel spreads its own light with the
-/// kernel of its own depth, plus the direct light.
+/// kernel of its own depth and of the obliquity of the ray that sees it, plus the direct light.
 ///
 /// With a clamped or mirrored border the object image is continued by one image size on each side.
 ///
@@ -28,32 +28,31 @@ pub fn render(target: &Target, optics: &Optics) -> Result<Vec<f64>> {
         });
     }
     let around = if target.border == Border::Zero { 0 } else { side as i64 };
-    let add = |mut image: Vec<f64>, other: Vec<f64>| {
-        image.iter_mut().zip(other).for_each(|(a, b)| *a += b);
-        image
-    };
-    let groups = pixels_by_node(target);
-    let mut image = groups
+    let (groups, obliquities) = (pixels_by_node(target), pixels_by_obliquity(target));
+    let pairs: Vec<_> = groups.iter().flat_map(|group| obliquities.iter().map(move |o| (group, o))).collect();
+    let images = pairs
         .par_iter()
-        .map(|(node, pixels)| {
+        .map(|((node, pixels), (obliquity, seen))| {
+            let node = obliquity.tilt(*node);
             let kernel = optics.kernel(node.z)?;
             let cells = UnitCells::new(&*kernel, node.pitch, side + around as usize + 2);
-            let direct = kernel.direct().value;
             let mut image = vec![0.0; view.pixels()];
             for &(x, y, light) in &sources(target, pixels, around) {
-                for (i, out) in image.iter_mut().enumerate() {
+                for &i in seen {
                     let dx = ((view.x + i % view.width) as i64).abs_diff(x) as usize;
                     let dy = ((view.y + i / view.width) as i64).abs_diff(y) as usize;
-                    let unscattered = if dx == 0 && dy == 0 { direct } else { 0.0 };
-                    *out += (unscattered + cells.weight(dx, dy)) * light;
+                    let unscattered = if dx == 0 && dy == 0 { kernel.direct().value } else { 0.0 };
+                    image[i] += (unscattered + cells.weight(dx, dy)) * light;
                 }
             }
             Ok(image)
         })
-        .collect::<Result<Vec<_>>>()?
-        .into_iter();
-    let first = image.next().unwrap_or_else(|| vec![0.0; view.pixels()]);
-    Ok(image.fold(first, add))
+        .collect::<Result<Vec<_>>>()?;
+    let mut sum = vec![0.0; view.pixels()];
+    for image in images {
+        sum.iter_mut().zip(image).for_each(|(s, v)| *s += v);
+    }
+    Ok(sum)
 }
 
 /// Position and radiance of every source: the given pixels, and their copies up to `around` pixels outside.

@@ -22,6 +22,7 @@ pub mod direct_sum;
 mod fft2;
 pub mod footprint;
 mod hidden;
+mod obliquity;
 pub mod per_depth;
 mod segment;
 pub mod slices;

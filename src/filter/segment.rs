@@ -2,9 +2,10 @@
 
 use super::bend::bend;
 use super::canvas::{Canvas, Spectrum};
+use super::obliquity::Obliquity;
 use super::slices::{Node, Slices};
 use super::sources::{Sheet, Source};
-use super::transfer::{Divisor, Frequency, Transfer, Unit, Wave, over, times};
+use super::transfer::{Divisor, Frequency, Slope, Transfer, Unit, Wave, over, times};
 use super::{Optics, Target};
 use crate::error::Result;
 use crate::medium::Medium;
@@ -19,9 +20,9 @@ pub(super) struct Segment {
     light: Vec<Spectrum>,
     /// The source of its slope term, likewise; none at all if nothing slopes.
     bend: Vec<Spectrum>,
-    /// Length of a pixel over its distance from the camera; 0 for parallel rays.
+    /// Length of a pixel per unit of depth; 0 for parallel rays.
     divergence: f64,
-    /// Pixels whose direct light is seen.
+    /// Pixels whose direct light the screen lets pass.
     direct: Vec<Direct>,
     /// What its light must pass.
     pub screen: Option<Gate>,
@@ -30,7 +31,9 @@ pub(super) struct Segment {
 /// Direct light of a canvas pixel.
 struct Direct {
     at: usize,
+    /// Path length along the camera's axis, and the cosine of the ray off it.
     z: f64,
+    cosine: f64,
     light: f32,
 }
 
@@ -61,9 +64,9 @@ impl Segment {
         let mut segment = Self {
             light: Vec::new(),
             bend: Vec::new(),
-            divergence: target.geometry.divergence(),
+            divergence: target.geometry.pitch_per_depth(),
             direct: Vec::new(),
-            screen: screen.map(|screen| Gate::new(canvas, screen)),
+            screen: screen.map(|screen| Gate::new(target, canvas, screen)),
             slices,
         };
         let Some(slices) = &segment.slices else { return segment };
@@ -90,26 +93,24 @@ impl Segment {
             let fields = along(0).into_iter().zip(along(1));
             segment.bend = fields.map(|(x, y)| bend(canvas, [x, y])).collect();
         }
-        for place in canvas.places() {
-            // What an opaque pixel covers is not seen, and of two layers only the first.
-            let seen = sheets.iter().find_map(|sheet| sheet[place.of]);
-            let source = seen.filter(|s| s.screens == passed && screen.is_none_or(|g| !g.opaque[place.of]));
-            if let Some(Source { node, light, .. }) = source {
-                segment.direct.push(Direct { at: place.at, z: node.z, light });
+        for place in canvas.places().filter(|place| screen.is_none_or(|s| !s.opaque[place.of])) {
+            for Source { node, cosine, light, .. } in mine(place.of) {
+                segment.direct.push(Direct { at: place.at, z: node.z, cosine, light });
             }
         }
         segment
     }
 
-    /// Adds the direct light of this segment, as it is at the path length `from`, and its derivatives to `planes`.
+    /// Adds the direct light of this segment, as it is at the path length `from` along the axis, and its derivatives to `planes`.
     pub(super) fn add_direct(&self, medium: &Medium, from: f64, planes: &mut [Vec<f32>]) {
-        let mut last = (f64::NAN, 0.0);
+        let (mut last, mut transmittance) = (f64::NAN, 0.0);
         for d in &self.direct {
-            if d.z != last.0 {
-                last = (d.z, (-medium.sigma_t() * (d.z - from)).exp());
+            let way = (d.z - from) / d.cosine;
+            if way != last {
+                (last, transmittance) = (way, (-medium.sigma_t() * way).exp() as f32);
             }
-            let light = last.1 as f32 * d.light;
-            let way = (d.z - from) as f32;
+            let light = transmittance * d.light;
+            let way = way as f32;
             for (plane, factor) in planes.iter_mut().zip([1.0, -way, -way, 0.0]) {
                 plane[d.at] += factor * light;
             }
@@ -121,19 +122,24 @@ impl Segment {
     pub(super) fn gather(
         &self,
         canvas: &Canvas,
-        optics: &Optics,
+        (optics, obliquity): (&Optics, Obliquity),
         carried: Option<&Carried>,
         components: &[usize],
     ) -> Result<Vec<Spectrum>> {
-        let screen = self.screen.as_ref().map(|gate| gate.node);
+        let screen = self.screen.as_ref().map(|gate| obliquity.tilt(gate.node));
         let unit = Unit::new(screen, optics)?;
         let divisor = screen.map(|node| Divisor::new(node, optics, &unit)).transpose()?;
         let nodes = self.slices.as_ref().map_or(&[][..], |s| &s.nodes);
-        let nearness = |node: &Node| (self.divergence * node.z / node.pitch).min(1.0);
         let sloping = !self.bend.is_empty();
-        let transfer = |node: &Node| Transfer::new(*node, sloping.then(|| nearness(node)), optics, &unit);
+        let slope = |node: &Node| Slope {
+            nearness: (self.divergence * node.z / node.pitch).min(1.0),
+            steepness: 1.0 / obliquity.cosine,
+        };
+        let transfer =
+            |node: &Node| Transfer::new(obliquity.tilt(*node), sloping.then(|| slope(node)), optics, &unit);
         let transfers = nodes.par_iter().map(transfer).collect::<Result<Vec<_>>>()?;
-        let farther = carried.map(|c| Transfer::new(c.node, None, optics, &unit)).transpose()?;
+        let farther =
+            carried.map(|c| Transfer::new(obliquity.tilt(c.node), None, optics, &unit)).transpose()?;
 
         let (half, height) = (canvas.fft.half_width(), canvas.fft.height);
         let mut sums = vec![vec![Complex::new(0.0, 0.0); half * height]; components.len()];
@@ -216,14 +222,14 @@ impl Segment {
 }
 
 impl Gate {
-    fn new(canvas: &Canvas, screen: &Screen) -> Self {
+    fn new(target: &Target, canvas: &Canvas, screen: &Screen) -> Self {
         let mut open = vec![1.0; canvas.pixels()];
         for place in canvas.places() {
             if screen.opaque[place.of] {
                 open[place.at] = 0.0;
             }
         }
-        Self { node: Node { z: screen.z, pitch: screen.pitch }, open }
+        Self { node: Node { z: screen.z, pitch: target.geometry.pixel_pitch(screen.depth) }, open }
     }
 }
 

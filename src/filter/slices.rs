@@ -1,19 +1,19 @@
 //! Depth slices: a few path lengths that stand for all of a depth map's.
 //!
-//! The filter's transfer function at any depth is a smooth function of the path length z and of the magnification
-//! a = pitch/z; it is interpolated by polynomials on Chebyshev nodes. So slice i filters the image weighted with
-//! the i-th basis polynomial at each pixel's own (z, a). With parallel rays a follows from z and the nodes lie
-//! along z alone; in a perspective view they form a grid. A map of a few distinct depths gets exactly those.
+//! The filter's transfer function at any depth is a smooth function of the path length z, and is interpolated by
+//! polynomials on Chebyshev nodes: slice i filters the image weighted with the i-th basis polynomial at each pixel's
+//! own z. The length of a pixel follows from z with parallel rays, and in a perspective view before a flat surface of
+//! the medium; elsewhere the nodes form a grid of z and the magnification a = pitch/z. A map of a few distinct depths
+//! gets exactly those.
 
 use super::Optics;
 use super::chebyshev::Chebyshev;
 use crate::error::Result;
-use crate::geometry::Camera;
 
-/// A path length and the length of a pixel at it.
+/// A path length along the camera's axis, and the length of a pixel at its end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Node {
-    /// Path length, length.
+    /// Path length in the medium, length.
     pub z: f64,
     /// Length of a pixel.
     pub pitch: f64,
@@ -41,44 +41,43 @@ enum Layout {
 
 impl Slices {
     /// `count` slices along z for pixels at `nodes` (at least one), fewer if they have fewer distinct path lengths.
-    pub fn new(camera: Camera, nodes: &[Node], count: usize) -> Self {
-        Self::over(camera, &sorted(nodes), [count, usize::MAX])
+    /// `divergence` is the length of a pixel per unit of depth, 0 for parallel rays.
+    pub fn new(divergence: f64, nodes: &[Node], count: usize) -> Self {
+        Self::over(divergence, &sorted(nodes), [count, usize::MAX])
     }
 
     /// The same for sorted nodes, with `count` slices along z and along the magnification at most.
-    fn over(camera: Camera, nodes: &[Node], count: [usize; 2]) -> Self {
+    fn over(divergence: f64, nodes: &[Node], count: [usize; 2]) -> Self {
         let samples = samples(nodes);
-        let (low, high) = (nodes[0].z, nodes[nodes.len() - 1].z);
-        match camera {
-            Camera::Orthographic { pixel_pitch } => {
-                let node = |&z: &f64| Node { z, pitch: pixel_pitch };
-                let mut distinct: Vec<f64> = nodes.iter().map(|n| n.z).collect();
-                distinct.dedup();
-                let layout = if distinct.len() <= count[0] {
-                    Layout::Exact(distinct)
-                } else {
-                    Layout::Line(Chebyshev::new(count[0], low, high))
-                };
-                let (Layout::Exact(z) | Layout::Line(Chebyshev { x: z })) = &layout else {
-                    unreachable!("parallel rays have one magnification a depth")
-                };
-                Self { nodes: z.iter().map(node).collect(), layout, samples }
-            }
-            Camera::Perspective { .. } => {
-                let magnifications = || nodes.iter().map(|n| n.pitch / n.z);
-                let near = magnifications().fold(f64::INFINITY, f64::min);
-                let far = magnifications().fold(0.0, f64::max);
-                let z = Chebyshev::new(if high > low { count[0] } else { 1 }, low, high);
-                // Interpolation over a range of half-width rho about 1 falls like rho^n.
-                let rho = (far - near) / (far + near);
-                let enough = (SLICE_FLOOR.ln() / rho.ln()).ceil().max(2.0) as usize;
-                let many = if rho > 1e-9 { enough.min(count[1]) } else { 1 };
-                let magnification = Chebyshev::new(many, near, far);
-                let grid =
-                    magnification.x.iter().flat_map(|&a| z.x.iter().map(move |&z| Node { z, pitch: a * z }));
-                Self { nodes: grid.collect(), layout: Layout::Grid { z, magnification }, samples }
-            }
+        let (first, last) = (nodes[0], nodes[nodes.len() - 1]);
+        // Before a flat surface of the medium the pitch follows from z.
+        let pitch = |z: f64| first.pitch + divergence * (z - first.z);
+        let follows = |n: &Node| (n.pitch - pitch(n.z)).abs() <= SAME_PITCH * n.pitch;
+        if nodes.iter().all(follows) {
+            let mut distinct: Vec<f64> = nodes.iter().map(|n| n.z).collect();
+            distinct.dedup();
+            let layout = if distinct.len() <= count[0] {
+                Layout::Exact(distinct)
+            } else {
+                Layout::Line(Chebyshev::new(count[0], first.z, last.z))
+            };
+            let nodes = match &layout {
+                Layout::Exact(z) | Layout::Line(Chebyshev { x: z }) => z,
+                Layout::Grid { .. } => unreachable!("the nodes lie on a line"),
+            };
+            let nodes = nodes.iter().map(|&z| Node { z, pitch: pitch(z) }).collect();
+            return Self { nodes, layout, samples };
         }
+        let magnifications = || nodes.iter().map(|n| n.pitch / n.z);
+        let near = magnifications().fold(f64::INFINITY, f64::min);
+        let far = magnifications().fold(0.0, f64::max);
+        let z = Chebyshev::new(if last.z > first.z { count[0] } else { 1 }, first.z, last.z);
+        // Interpolation over a range of half-width rho about 1 falls like rho^n.
+        let rho = (far - near) / (far + near);
+        let enough = (SLICE_FLOOR.ln() / rho.ln()).ceil().max(2.0) as usize;
+        let magnification = Chebyshev::new(enough.min(count[1]), near, far);
+        let grid = magnification.x.iter().flat_map(|&a| z.x.iter().map(move |&z| Node { z, pitch: a * z }));
+        Self { nodes: grid.collect(), layout: Layout::Grid { z, magnification }, samples }
     }
 
     /// Weight of every slice for a pixel whose own node is `at`; they add up to 1.
@@ -121,16 +120,16 @@ impl Slices {
     ///
     /// # Errors
     /// As [`Optics::kernel`].
-    pub fn for_tolerance(camera: Camera, nodes: &[Node], optics: &Optics, tolerance: f64) -> Result<Self> {
+    pub fn for_tolerance(divergence: f64, nodes: &[Node], optics: &Optics, tolerance: f64) -> Result<Self> {
         let nodes = sorted(nodes);
         let mut count = [2, 1];
-        let mut best = Self::over(camera, &nodes, count);
+        let mut best = Self::over(divergence, &nodes, count);
         let mut error = best.error(optics)?;
         while error > tolerance && count[0] < MOST_SLICES {
             let [deeper, wider] = [[count[0] + count[0].div_ceil(3), count[1]], [count[0], count[1] + 1]];
-            let slices = Self::over(camera, &nodes, deeper);
+            let slices = Self::over(divergence, &nodes, deeper);
             let mut next = (slices.error(optics)?, deeper, slices);
-            let slices = Self::over(camera, &nodes, wider);
+            let slices = Self::over(divergence, &nodes, wider);
             if slices.nodes.len() > best.nodes.len() {
                 let error = slices.error(optics)?;
                 if error < next.0 {
@@ -150,6 +149,8 @@ fn response(node: &Node, optics: &Optics) -> Result<[f64; FREQUENCIES]> {
     Ok(std::array::from_fn(|i| kernel.scattered_transfer(w(i) / node.pitch).value))
 }
 
+/// Relative difference of pixel lengths that is rounding: depth maps hold f32.
+const SAME_PITCH: f64 = 1e-6;
 /// Share of the scattered light to which the magnification is interpolated in a perspective view.
 const SLICE_FLOOR: f64 = 1e-5;
 /// Slices along z beyond which no more are taken.

@@ -10,6 +10,8 @@ use crate::relief::{Relief, Screen};
 pub(super) struct Source {
     /// Where it is.
     pub node: Node,
+    /// Cosine of its ray off the camera's axis.
+    pub cosine: f64,
     /// Clear radiance.
     pub light: f32,
     /// Slope of its surface along x and y, length per pixel.
@@ -59,10 +61,13 @@ fn sheet(
     let source = |i: usize| {
         let (x, y) = (i % geometry.width, i / geometry.width);
         let d = distance.distance(x, y)?;
-        let node = Node { z: d - geometry.surface.at(x, y), pitch: geometry.pixel_pitch(x, y, d) };
+        let cosine = geometry.cos_off_axis(x, y);
+        let depth = geometry.along_axis(x, y, d);
+        let z = geometry.along_axis(x, y, d - geometry.surface.at(x, y));
+        let node = Node { z, pitch: geometry.pixel_pitch(depth) };
         let (light, slope) = light_and_slope(i);
-        let screens = screens.iter().take_while(|screen| screen.distance < d).count();
-        (node.z > 0.0).then_some(Source { node, light, slope, screens })
+        let screens = screens.iter().take_while(|screen| screen.depth < depth).count();
+        (z > 0.0).then_some(Source { node, cosine, light, slope, screens })
     };
     (0..geometry.width * geometry.height).map(source).collect()
 }

@@ -65,6 +65,15 @@ impl<'a> Unit<'a> {
     }
 }
 
+/// How rays of a perspective view meet slopes.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Slope {
+    /// See [`SpreadKernel::mean_slope`].
+    pub nearness: f64,
+    /// Slope against the ray over slope against the camera's axis.
+    pub steepness: f64,
+}
+
 /// Tables of one slice's transfer function, in units of M.
 pub(super) struct Transfer {
     baseband: RadialTable,
@@ -77,8 +86,8 @@ pub(super) struct Transfer {
 }
 
 impl Transfer {
-    /// Tables of the slice at `node`; with its slope term if the rays' `nearness` there is given.
-    pub(super) fn new(node: Node, nearness: Option<f64>, optics: &Optics, unit: &Unit) -> Result<Self> {
+    /// Tables of the slice at `node`; with its slope term if `slope` is given.
+    pub(super) fn new(node: Node, slope: Option<Slope>, optics: &Optics, unit: &Unit) -> Result<Self> {
         let kernel = optics.kernel(node.z)?;
         let k = |w: f64| w / node.pitch;
         let table =
@@ -87,7 +96,7 @@ impl Transfer {
         let direct = (-optics.medium.sigma_t() * way).exp();
         Ok(Self {
             baseband: table(&|k| kernel.scattered_transfer(k)),
-            bend: nearness.map(|nearness| table(&|k| kernel.mean_slope(k, nearness))),
+            bend: slope.map(|slope| table(&|k| slope.steepness * kernel.mean_slope(k, slope.nearness))),
             aliases: AliasTable::new(&*kernel, node.pitch, unit.scale),
             direct: lanes(&Dual { value: direct, gradient: [-way * direct, -way * direct, 0.0] }),
             unscattered: lanes(&(1.0 / unit.scale * kernel.direct())),

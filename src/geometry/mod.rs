@@ -91,33 +91,38 @@ impl Geometry {
         self.object_distance(x, y).map(|d| d - self.surface.at(x, y))
     }
 
-    /// Length of a pixel at `distance` along the ray of pixel (`x`, `y`): constant for parallel rays, growing with the
-    /// distance in a perspective view.
-    ///
-    /// There a kernel stands on the plane perpendicular to its ray, where a pixel at the angle theta off the axis is
-    /// cos(theta) shorter in the radial direction than across it; this is the geometric mean of the two.
-    pub fn pixel_pitch(&self, x: usize, y: usize, distance: f64) -> f64 {
+    /// What a length (depth, path) along the ray of pixel (`x`, `y`) comes to along the camera's axis. Maps hold f32, so in a
+    /// perspective view the result is rounded to a part in a million: a flat wall has one depth.
+    pub fn along_axis(&self, x: usize, y: usize, length: f64) -> f64 {
         match self.camera {
-            Camera::Orthographic { pixel_pitch } => pixel_pitch,
+            Camera::Orthographic { .. } => length,
             Camera::Perspective { .. } => {
-                self.camera.pitch_per_depth(self.width) * distance * self.cos_off_axis(x, y).powf(1.5)
+                let along = length * self.cos_off_axis(x, y);
+                let step = (20.0 - along.abs().log2().ceil()).exp2();
+                if step.is_finite() && step > 0.0 { (along * step).round() / step } else { along }
             }
         }
     }
 
-    /// Mean over the image of the length of a pixel over its distance from the camera: how rays diverge; 0 for parallel
-    /// ones.
-    pub fn divergence(&self) -> f64 {
-        if matches!(self.camera, Camera::Orthographic { .. }) {
-            return 0.0;
+    /// Length of a pixel on the plane at `depth` along the camera's axis: constant for parallel rays, growing with the
+    /// depth in a perspective view.
+    pub fn pixel_pitch(&self, depth: f64) -> f64 {
+        match self.camera {
+            Camera::Orthographic { pixel_pitch } => pixel_pitch,
+            Camera::Perspective { .. } => self.pitch_per_depth() * depth,
         }
-        let pixels =
-            (0..self.width * self.height).map(|i| self.pixel_pitch(i % self.width, i / self.width, 1.0));
-        pixels.sum::<f64>() / (self.width * self.height) as f64
+    }
+
+    /// Length of a pixel per unit of depth in a perspective view: how rays diverge; 0 for parallel ones.
+    pub fn pitch_per_depth(&self) -> f64 {
+        self.camera.pitch_per_depth(self.width)
     }
 
     /// Cosine of the angle between the ray through the centre of pixel (`x`, `y`) and the camera's axis.
     pub fn cos_off_axis(&self, x: usize, y: usize) -> f64 {
+        if matches!(self.camera, Camera::Orthographic { .. }) {
+            return 1.0;
+        }
         let (_, direction) = self.camera.ray(x as f64 + 0.5, y as f64 + 0.5, (self.width, self.height));
         direction.z
     }
@@ -129,7 +134,7 @@ impl Geometry {
 
     /// Median length of a pixel at the object.
     pub fn median_pixel_pitch(&self) -> f64 {
-        let shown = |x, y| self.object_distance(x, y).map(|d| self.pixel_pitch(x, y, d));
+        let shown = |x, y| self.object_distance(x, y).map(|d| self.pixel_pitch(d * self.cos_off_axis(x, y)));
         let flat = matches!(self.camera, Camera::Orthographic { .. });
         let on: &[&Field] = if flat { &[] } else { &[&self.depth] };
         let mut pitches = self.over_pixels(on, shown);

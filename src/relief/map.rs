@@ -7,11 +7,11 @@ use crate::geometry::{EDGE_PITCHES, Field, Geometry};
 /// noisy pixels, one false edge in 10⁸.
 const EDGE_NOISES: f64 = 8.0;
 
-/// Distances of one layer.
+/// Depths of one layer along the camera's axis.
 pub(super) struct DepthMap<'a> {
     pub geometry: &'a Geometry,
     /// Row-major; infinite where there is no object.
-    pub distance: Vec<f64>,
+    pub depth: Vec<f64>,
     /// Least step that can be an edge, because of the noise.
     least_step: f64,
 }
@@ -19,34 +19,36 @@ pub(super) struct DepthMap<'a> {
 impl<'a> DepthMap<'a> {
     pub(super) fn new(geometry: &'a Geometry, field: &Field) -> Self {
         let (width, height) = (geometry.width, geometry.height);
-        let at = |i: usize| field.distance(i % width, i / width).unwrap_or(f64::INFINITY);
-        let distance: Vec<f64> = (0..width * height).map(at).collect();
-        let least_step = EDGE_NOISES * noise(&distance, width);
-        Self { geometry, distance, least_step }
+        let at = |i: usize| {
+            let (x, y) = (i % width, i / width);
+            field.distance(x, y).map_or(f64::INFINITY, |d| geometry.along_axis(x, y, d))
+        };
+        let depth: Vec<f64> = (0..width * height).map(at).collect();
+        let least_step = EDGE_NOISES * noise(&depth, width);
+        Self { geometry, depth, least_step }
     }
 
     /// The neighbours of pixel `i`: left, right, above, below.
     pub(super) fn neighbours(&self, i: usize) -> [Option<usize>; 4] {
         let width = self.geometry.width;
         [
-            (i % width > 0).then(|| i - 1),
+            (!i.is_multiple_of(width)).then(|| i - 1),
             (i % width + 1 < width).then_some(i + 1),
             i.checked_sub(width),
-            (i + width < self.distance.len()).then_some(i + width),
+            (i + width < self.depth.len()).then_some(i + width),
         ]
     }
 
-    /// Whether neighbours at distances `a` and `b`, one of them pixel `i`, belong to different surfaces.
-    pub(super) fn is_edge(&self, i: usize, a: f64, b: f64) -> bool {
+    /// Whether neighbours at depths `a` and `b` belong to different surfaces.
+    pub(super) fn is_edge(&self, a: f64, b: f64) -> bool {
         let step = (a - b).abs();
-        let width = self.geometry.width;
-        let pitch = || self.geometry.pixel_pitch(i % width, i / width, a.min(b));
-        step.is_nan() || step > self.least_step && step > EDGE_PITCHES * pitch()
+        step.is_nan() || step > self.least_step && step > EDGE_PITCHES * self.geometry.pixel_pitch(a.min(b))
     }
 
-    /// Path length in the medium to `distance` along the ray of pixel `i`.
-    pub(super) fn path_length(&self, i: usize, distance: f64) -> f64 {
-        distance - self.geometry.surface.at(i % self.geometry.width, i / self.geometry.width)
+    /// Path length in the medium to `depth` at pixel `i`, along the camera's axis.
+    pub(super) fn path_length(&self, i: usize, depth: f64) -> f64 {
+        let (x, y) = (i % self.geometry.width, i / self.geometry.width);
+        depth - self.geometry.along_axis(x, y, self.geometry.surface.at(x, y))
     }
 
     /// Central differences of neighbours on the same surface, one-sided where only one is, 0 where none is; `None` if
@@ -54,8 +56,8 @@ impl<'a> DepthMap<'a> {
     pub(super) fn slopes(&self) -> Option<Slopes> {
         let slope = |i: usize, before: Option<usize>, after: Option<usize>| {
             let step = |j: Option<usize>| {
-                let j = j.filter(|&j| !self.is_edge(i, self.distance[i], self.distance[j]))?;
-                Some(self.distance[j] - self.distance[i])
+                let j = j.filter(|&j| !self.is_edge(self.depth[i], self.depth[j]))?;
+                Some(self.depth[j] - self.depth[i])
             };
             let slope = match (step(before), step(after)) {
                 (Some(a), Some(b)) => 0.5 * (b - a),
@@ -69,15 +71,15 @@ impl<'a> DepthMap<'a> {
             let [left, right, above, below] = self.neighbours(i);
             [slope(i, left, right), slope(i, above, below)]
         };
-        let slopes: Slopes = (0..self.distance.len()).map(at).collect();
+        let slopes: Slopes = (0..self.depth.len()).map(at).collect();
         slopes.iter().any(|s| *s != [0.0; 2]).then_some(slopes)
     }
 }
 
 /// Standard deviation of the noise of a depth map, from the median second difference along its rows: slopes do not
 /// count in it, edges hardly.
-fn noise(distance: &[f64], width: usize) -> f64 {
-    let mut bends: Vec<f64> = distance
+fn noise(depth: &[f64], width: usize) -> f64 {
+    let mut bends: Vec<f64> = depth
         .chunks(width)
         .flat_map(|row| row.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()))
         .filter(|bend| bend.is_finite())
@@ -116,9 +118,9 @@ mod tests {
 
     fn edges(map: &DepthMap) -> Vec<usize> {
         let to = |i: usize, side: usize| {
-            map.neighbours(i)[side].is_some_and(|j| map.is_edge(i, map.distance[i], map.distance[j]))
+            map.neighbours(i)[side].is_some_and(|j| map.is_edge(map.depth[i], map.depth[j]))
         };
-        (0..map.distance.len()).filter(|&i| to(i, 1) || to(i, 3)).collect()
+        (0..map.depth.len()).filter(|&i| to(i, 1) || to(i, 3)).collect()
     }
 
     #[test]

@@ -23,18 +23,16 @@ use map::DepthMap;
 use peel::Front;
 pub use screens::MOST_SCREENS;
 
-/// Slope of the depth along x and y at every pixel of a layer, length per pixel.
+/// Slope along x and y of the depth along the camera's axis at every pixel of a layer, length per pixel.
 pub type Slopes = Vec<[f32; 2]>;
 
 /// A depth at which near surfaces cover what lies behind.
 #[derive(Debug, Clone)]
 pub struct Screen {
-    /// Distance from the camera: what lies beyond must pass the screen.
-    pub distance: f64,
-    /// Path length in the medium that stands for all of the screen, length.
+    /// Depth along the camera's axis: what lies beyond must pass the screen.
+    pub depth: f64,
+    /// Path length in the medium to the screen, along the camera's axis: one for all pixels.
     pub z: f64,
-    /// Length of a pixel at the screen.
-    pub pitch: f64,
     /// Whether a pixel (row-major over the object image) lets no light pass.
     pub opaque: Vec<bool>,
     /// Distance of what is supposed, but not known, to lie behind each opaque pixel; 0 elsewhere.
@@ -61,10 +59,10 @@ impl Relief {
         let slopes = maps.iter().map(DepthMap::slopes).collect();
         let mut front = Front::new(&maps);
         let mut screens = Vec::new();
-        for distance in screens::distances(&maps) {
-            let (opaque, hidden) = front.peel(distance);
+        for depth in screens::depths(&maps) {
+            let (opaque, hidden) = front.peel(depth);
             if opaque.contains(&true) {
-                screens.push(screen(geometry, distance, opaque, hidden));
+                screens.push(screen(&maps[0], depth, opaque, hidden));
             }
         }
         settle_path_lengths(&mut screens, &maps);
@@ -84,13 +82,11 @@ impl Relief {
     }
 }
 
-/// The screen at `distance`; path length and pitch are the medians over its opaque pixels.
-fn screen(geometry: &Geometry, distance: f64, opaque: Vec<bool>, hidden: Field) -> Screen {
-    let width = geometry.width;
-    let pixels = || (0..opaque.len()).filter(|&i| opaque[i]).map(|i| (i % width, i / width));
-    let z = median(pixels().map(|(x, y)| distance - geometry.surface.at(x, y)).collect());
-    let pitch = median(pixels().map(|(x, y)| geometry.pixel_pitch(x, y, distance)).collect());
-    Screen { distance, z, pitch, opaque, hidden }
+/// The screen at `depth`; its path length is the median over its opaque pixels.
+fn screen(map: &DepthMap, depth: f64, opaque: Vec<bool>, hidden: Field) -> Screen {
+    let covered = (0..opaque.len()).filter(|&i| opaque[i]);
+    let z = median(covered.map(|i| map.path_length(i, depth)).collect());
+    Screen { depth, z, opaque, hidden }
 }
 
 /// Under an uneven surface of the medium, a screen's path length may exceed that of something behind it; light does
@@ -99,10 +95,9 @@ fn settle_path_lengths(screens: &mut [Screen], maps: &[DepthMap]) {
     let mut beyond = f64::INFINITY;
     for screen in screens.iter_mut().rev() {
         for map in maps {
-            let behind = |(i, &d): (usize, &f64)| {
-                (d > screen.distance && d.is_finite()).then(|| map.path_length(i, d))
-            };
-            beyond = map.distance.iter().enumerate().filter_map(behind).fold(beyond, f64::min);
+            let behind =
+                |(i, &d): (usize, &f64)| (d > screen.depth && d.is_finite()).then(|| map.path_length(i, d));
+            beyond = map.depth.iter().enumerate().filter_map(behind).fold(beyond, f64::min);
         }
         screen.z = screen.z.min(beyond);
     }

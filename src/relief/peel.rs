@@ -11,7 +11,7 @@ use crate::geometry::Field;
 use crate::image::Image;
 use std::collections::VecDeque;
 
-/// Successive over-relaxation of what is supposed: its factor, the relative change of a distance below which it ends,
+/// Successive over-relaxation of what is supposed: its factor, the relative change of a depth below which it ends,
 /// and its sweeps at most. It need not converge: it only has to join on to its surroundings.
 const OVER_RELAXATION: f64 = 1.9;
 const RELAXED: f64 = 1e-5;
@@ -20,15 +20,15 @@ const MOST_SWEEPS: usize = 200;
 /// What is seen from the camera after some surfaces have been taken away.
 pub(super) struct Front<'a> {
     maps: &'a [DepthMap<'a>],
-    distance: Vec<f64>,
+    depth: Vec<f64>,
     /// The layer that is seen at each pixel; beyond the last where nothing is known.
     layer: Vec<usize>,
 }
 
 impl<'a> Front<'a> {
     pub(super) fn new(maps: &'a [DepthMap<'a>]) -> Self {
-        let pixels = maps[0].distance.len();
-        let mut front = Self { maps, distance: vec![0.0; pixels], layer: vec![0; pixels] };
+        let pixels = maps[0].depth.len();
+        let mut front = Self { maps, depth: vec![0.0; pixels], layer: vec![0; pixels] };
         (0..pixels).for_each(|i| front.show(i, 0, 0.0));
         front
     }
@@ -36,11 +36,11 @@ impl<'a> Front<'a> {
     /// Shows the nearest layer from `first` on that lies beyond `beyond`, or else nothing.
     fn show(&mut self, i: usize, first: usize, beyond: f64) {
         let there = |layer: &usize| {
-            let d = self.maps[*layer].distance[i];
+            let d = self.maps[*layer].depth[i];
             d > beyond && d.is_finite()
         };
         let layer = (first..self.maps.len()).find(there);
-        self.distance[i] = layer.map_or(f64::INFINITY, |layer| self.maps[layer].distance[i]);
+        self.depth[i] = layer.map_or(f64::INFINITY, |layer| self.maps[layer].depth[i]);
         self.layer[i] = layer.unwrap_or(self.maps.len());
     }
 
@@ -55,11 +55,12 @@ impl<'a> Front<'a> {
         for i in (0..opaque.len()).filter(|&i| opaque[i]) {
             let unknown = self.layer[i] + 1 >= self.maps.len();
             self.show(i, self.layer[i] + 1, screen);
-            if self.distance[i].is_infinite() {
-                self.distance[i] = supposed[i];
+            if self.depth[i].is_infinite() {
+                self.depth[i] = supposed[i];
             }
             if unknown && supposed[i] > screen && supposed[i].is_finite() {
-                hidden.data[i] = supposed[i] as f32;
+                let (x, y) = (i % geometry.width, i / geometry.width);
+                hidden.data[i] = (supposed[i] / geometry.cos_off_axis(x, y)) as f32;
             }
         }
         (opaque, Field::Map(hidden))
@@ -68,11 +69,11 @@ impl<'a> Front<'a> {
     /// What may lie behind opaque pixels: `across` for a start, relaxed towards the mean of the neighbours. Neighbours
     /// that stand before them say nothing of what is behind.
     fn supposed(&self, across: Vec<Option<f64>>) -> Vec<f64> {
-        let (map, distance) = (&self.maps[0], &self.distance);
-        let mut supposed: Vec<f64> = across.iter().zip(distance).map(|(a, d)| a.unwrap_or(*d)).collect();
+        let (map, depth) = (&self.maps[0], &self.depth);
+        let mut supposed: Vec<f64> = across.iter().zip(depth).map(|(a, d)| a.unwrap_or(*d)).collect();
         let opaque: Vec<usize> = (0..across.len()).filter(|&i| across[i].is_some()).collect();
         let says = |i: usize, j: usize| {
-            across[j].is_some() || distance[j] > distance[i] || !map.is_edge(i, distance[i], distance[j])
+            across[j].is_some() || depth[j] > depth[i] || !map.is_edge(depth[i], depth[j])
         };
         let around: Vec<Vec<usize>> = opaque
             .iter()
@@ -100,26 +101,26 @@ impl<'a> Front<'a> {
         supposed
     }
 
-    /// For each opaque pixel, the distance beyond `screen` across the edge that is nearest along its surface; infinite
+    /// For each opaque pixel, the depth beyond `screen` across the edge that is nearest along its surface; infinite
     /// if nothing is there.
     fn across(&self, screen: f64) -> Vec<Option<f64>> {
-        let (map, distance) = (&self.maps[0], &self.distance);
-        let mut across = vec![None; distance.len()];
-        let mut reached = vec![false; distance.len()];
+        let (map, depth) = (&self.maps[0], &self.depth);
+        let mut across = vec![None; depth.len()];
+        let mut reached = vec![false; depth.len()];
         let mut queue = VecDeque::new();
-        for i in (0..distance.len()).filter(|&i| distance[i] <= screen) {
-            let mut beyond = map.neighbours(i).into_iter().flatten().filter(|&j| distance[j] > screen);
+        for i in (0..depth.len()).filter(|&i| depth[i] <= screen) {
+            let mut beyond = map.neighbours(i).into_iter().flatten().filter(|&j| depth[j] > screen);
             if let Some(first) = beyond.next() {
-                let joined = |j: usize| !map.is_edge(i, distance[i], distance[j]);
-                across[i] = (!joined(first) && !beyond.any(joined)).then_some(distance[first]);
+                let joined = |j: usize| !map.is_edge(depth[i], depth[j]);
+                across[i] = (!joined(first) && !beyond.any(joined)).then_some(depth[first]);
                 reached[i] = true;
                 queue.push_back(i);
             }
         }
         while let Some(i) = queue.pop_front() {
             for j in map.neighbours(i).into_iter().flatten() {
-                let open = !reached[j] && distance[j] <= screen;
-                if open && !map.is_edge(i, distance[i], distance[j]) {
+                let open = !reached[j] && depth[j] <= screen;
+                if open && !map.is_edge(depth[i], depth[j]) {
                     reached[j] = true;
                     across[j] = across[i];
                     queue.push_back(j);
