@@ -1,7 +1,7 @@
 //! The depth-dependent filter: from the clear object to the image through the medium.
 //!
 //! Shinya et al., eq. 29: every object pixel j spreads its own light with the kernel of its own path length,
-//! I(x) = T(z_x) L(x) + sum_j w_j(x - j) L(j).
+//! I(x) = T(z_x) L(x) + sum_j w_j(x - j) L(j). With a [`Relief`], near surfaces cover far ones and slopes count.
 //!
 //! Pixel convention: object radiance is constant over a pixel, and an observed pixel is the mean over its own
 //! area. So direct light stays where it is, and w_j is the kernel's density integrated over object pixel j and

@@ -30,6 +30,7 @@ use crate::geometry::Geometry;
 use crate::image::Image;
 use crate::medium::Medium;
 use crate::phase::Gaussian;
+use crate::relief::Relief;
 use crate::scene::{FitOptions, Gain};
 use crate::spread::Model;
 use equations::NormalEquations;
@@ -115,14 +116,17 @@ const MOST_ROUNDS: usize = 6;
 /// Fits one channel's medium to `data`; all scenes share it.
 ///
 /// If the fit from the automatic start does not describe the images, it may have ended in a false minimum: kernels
-/// wider than the view are then tried as starts too, and the best of all fits counts.
+/// wider than the view are then tried as starts too, and the best of all fits counts. Edges and slopes explain a misfit
+/// in another way, so scenes that have some are not tried again.
 ///
 /// # Errors
 /// [`Error::NothingToFit`] if no pixel counts or every parameter is fixed, [`Error::OutOfRange`] for contradictory
 /// options, [`Error::NotFinite`] if a render is not finite.
 pub fn fit_channel(data: &[Datum], options: &FitOptions, settings: &Settings) -> Result<ChannelFit> {
     let mut best = fit_from(data, options, settings, None)?;
-    if best.reduced_chi2 > MISFIT && settings.model.spreads() && options.start == [None; 3] {
+    let automatic = settings.model.spreads() && options.start == [None; 3];
+    let flat = || data.iter().all(|d| Relief::new(d.target.geometry).is_flat());
+    if best.reduced_chi2 > MISFIT && automatic && flat() {
         for width in start::BEYOND_THE_VIEW {
             let other = fit_from(data, options, settings, Some(width))?;
             if other.reduced_chi2 < best.reduced_chi2 {
