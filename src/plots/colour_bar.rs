@@ -1,8 +1,8 @@
 //! From values to the colours of a panel, and the bar that explains them.
 
-use super::scale::Scale;
+use super::scale::{Scale, round_step};
 use crate::image::Channel;
-use crate::io::colour::{NOT_A_NUMBER, Tone, diverging};
+use crate::io::colour::{NOT_A_NUMBER, Tone, diverging, sequential};
 use crate::io::png::mean_of_channels;
 
 /// How the values of a panel become colours.
@@ -15,13 +15,25 @@ pub enum Shade {
         /// The value of the full colour.
         scale: f64,
     },
+    /// Values from 0 up, white at 0 and darkest at `max`; of three channels the mean.
+    Sequential {
+        /// The value of the darkest colour.
+        max: f64,
+    },
 }
 
 impl Shade {
+    /// Values from 0 to the largest finite one of `channels`, rounded up; to 1 if none is above 0.
+    pub fn from_zero(channels: &[Channel]) -> Self {
+        let values = channels.iter().flat_map(|c| &c.image.data).filter(|v| v.is_finite());
+        let largest = f64::from(values.fold(0.0, |a: f32, &b| a.max(b)));
+        Shade::Sequential { max: if largest > 0.0 { round_step(largest) } else { 1.0 } }
+    }
+
     /// The colours of all pixels.
     pub(super) fn colours(&self, channels: &[Channel]) -> Vec<[u8; 3]> {
         match self {
-            Shade::Diverging { .. } => {
+            Shade::Diverging { .. } | Shade::Sequential { .. } => {
                 mean_of_channels(channels).image.data.iter().map(|&v| self.colour(v.into())).collect()
             }
             Shade::Radiance(tone) if channels.len() == 3 => (0..channels[0].image.data.len())
@@ -37,6 +49,7 @@ impl Shade {
             _ if value.is_nan() => NOT_A_NUMBER,
             Shade::Radiance(tone) => [tone.level(value); 3],
             Shade::Diverging { scale } => diverging(value / scale),
+            Shade::Sequential { max } => sequential(value / max),
         }
     }
 
@@ -45,6 +58,7 @@ impl Shade {
         match self {
             Shade::Radiance(tone) => Scale { low: 0.0, high: tone.white, log: false },
             Shade::Diverging { scale } => Scale { low: -scale, high: *scale, log: false },
+            Shade::Sequential { max } => Scale { low: 0.0, high: *max, log: false },
         }
     }
 }
