@@ -5,6 +5,9 @@ use crate::image::Channel;
 use crate::io::colour::{NOT_A_NUMBER, Tone, diverging, sequential};
 use crate::io::png::mean_of_channels;
 
+/// Numbers beside a bar, at most.
+pub(super) const BAR_TICKS: usize = 5;
+
 /// How the values of a panel become colours.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shade {
@@ -23,11 +26,12 @@ pub enum Shade {
 }
 
 impl Shade {
-    /// Values from 0 to the largest finite one of `channels`, rounded up; to 1 if none is above 0.
+    /// Values from 0 to the largest finite one of `channels`, rounded up to a tick of the bar; to 1 if none is above 0.
     pub fn from_zero(channels: &[Channel]) -> Self {
         let values = channels.iter().flat_map(|c| &c.image.data).filter(|v| v.is_finite());
         let largest = f64::from(values.fold(0.0, |a: f32, &b| a.max(b)));
-        Shade::Sequential { max: if largest > 0.0 { round_step(largest) } else { 1.0 } }
+        let step = round_step(largest / BAR_TICKS as f64);
+        Shade::Sequential { max: if largest > 0.0 { step * (largest / step).ceil() } else { 1.0 } }
     }
 
     /// The colours of all pixels.
@@ -60,5 +64,25 @@ impl Shade {
             Shade::Diverging { scale } => Scale { low: -scale, high: *scale, log: false },
             Shade::Sequential { max } => Scale { low: 0.0, high: *max, log: false },
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Image;
+
+    #[test]
+    fn a_sequential_shade_ends_at_a_round_value_above_all() {
+        let max = |values: [f32; 3]| {
+            let image = Image { width: 3, height: 1, data: values.to_vec() };
+            match Shade::from_zero(&[Channel { name: "Y".into(), image }]) {
+                Shade::Sequential { max } => (max * 1e6).round() / 1e6,
+                other => unreachable!("{other:?}"),
+            }
+        };
+        assert_eq!(max([0.0, 0.27, f32::NAN]), 0.3);
+        assert_eq!(max([0.0, 0.004, 0.0151]), 0.02);
+        assert_eq!(max([0.0; 3]), 1.0);
     }
 }
