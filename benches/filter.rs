@@ -1,6 +1,10 @@
 //! What one image costs: the fast path on planes of three sizes and on a slope, with and without derivatives.
 //!
 //! The floor is the time of its FFTs alone. Preparing a target (its own transforms, once a fit) is measured apart.
+//!
+//! The composite filter is measured against eq29 at the same number of slices, in turns: on a slope, and on two half
+//! planes of which one covers the other. Promised for a render: less than twice the time without edges, less than three
+//! times with one covering. Derivatives are stated only.
 
 mod common;
 #[path = "../tests/common/mod.rs"]
@@ -9,8 +13,8 @@ mod scenes;
 use common::{best_of, fft_seconds};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use narrowbeam::filter::cpu::CpuFilter;
-use narrowbeam::filter::{Optics, Target};
-use narrowbeam::geometry::Geometry;
+use narrowbeam::filter::{Filter, Optics, Target};
+use narrowbeam::geometry::{Field, Geometry};
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Gaussian, b_of_spread_angle};
@@ -28,6 +32,13 @@ const WIDTH_PX: f64 = 5.0;
 
 /// A slope of 15 degrees is tan 15° = .27; its depth varies by that times the image's width.
 const SLOPE: f64 = 0.27;
+
+/// Far half plane's distance over the near one's, and the ripple of both, as a share of their distance.
+const FARTHER: f32 = 2.0;
+const RIPPLE: f32 = 0.05;
+
+/// Slices of the comparison: over all depths by eq29; by composite, as many in all, shared out among the segments.
+const SLICES: usize = 8;
 
 struct Scene {
     name: &'static str,
@@ -48,6 +59,15 @@ fn scenes(phase: &Gaussian) -> Vec<Scene> {
         geometry: scenes::sloping(256, 256, pitch, DEPTH, SLOPE),
     };
     vec![plane("plane 256", 256), plane("plane 512", 512), plane("plane 1024", 1024), slope]
+}
+
+/// Two half planes with gentle ripples, the near one on the left.
+fn half_planes(n: usize, pitch: f64) -> Geometry {
+    let depth = Image::from_fn(n, n, |x, y| {
+        let plane = DEPTH as f32 * if x < n / 2 { 1.0 } else { FARTHER };
+        plane * (1.0 + RIPPLE * (0.05 * x as f32).sin() * (0.04 * y as f32).cos())
+    });
+    Geometry { depth: Field::Map(depth), ..Geometry::planar(n, n, pitch, DEPTH).unwrap() }
 }
 
 fn filter(c: &mut Criterion) {
@@ -77,6 +97,61 @@ fn filter(c: &mut Criterion) {
         floors.push(floor(scene.name, &filter, &optics));
     }
     floors.iter().for_each(|line| println!("{line}"));
+    let pitch = DEPTH * phase.b().sqrt() / WIDTH_PX;
+    let slope = scenes::sloping(256, 256, pitch, DEPTH, SLOPE);
+    println!("{}", against_eq29("slope 256, no edges (promise: render < 2 x)", &slope, &optics));
+    println!(
+        "{}",
+        against_eq29(
+            "half planes 256, one covering (promise: render < 3 x)",
+            &half_planes(256, pitch),
+            &optics
+        )
+    );
+}
+
+/// The time of composite over that of eq29, with and without derivatives.
+fn against_eq29(name: &str, geometry: &Geometry, optics: &Optics) -> String {
+    let radiance = scenes::texture(geometry.width, geometry.height);
+    let relief = Filter::Composite.relief(geometry).expect("composite sees a relief");
+    let eq29 = Target {
+        radiance: &radiance,
+        behind: &[],
+        geometry,
+        border: Border::Zero,
+        view: View::whole(geometry.width, geometry.height),
+        relief: None,
+    };
+    let composite = Target { relief: Some(&relief), ..eq29 };
+    let far = geometry.path_lengths().into_iter().fold(0.0, f64::max);
+    let reach_px = optics.kernel(far).unwrap().support(1e-5) / geometry.pixel_pitch(0, 0, far);
+    let eq29 = CpuFilter::with_slices(eq29, SLICES, reach_px);
+    let composite = CpuFilter::with_slices(composite, SLICES / (relief.screens.len() + 1), reach_px);
+    assert_eq!(eq29.slice_count(), composite.slice_count(), "{name}: {} screens", relief.screens.len());
+
+    let render = in_turns([&eq29, &composite], |filter| {
+        black_box(filter.render(optics).unwrap());
+    });
+    let gradient = in_turns([&eq29, &composite], |filter| {
+        black_box(filter.render_with_gradient(optics).unwrap());
+    });
+    let ratio = |what: &str, [eq29, composite]: [f64; 2]| {
+        let (ratio, eq29, composite) = (composite / eq29, 1e3 * eq29, 1e3 * composite);
+        format!("{what} {composite:.2} ms / {eq29:.2} ms = {ratio:.2}")
+    };
+    format!(
+        "{name}: {} slices, {} screen(s), composite / eq29: {}, {}",
+        eq29.slice_count(),
+        relief.screens.len(),
+        ratio("render", render),
+        ratio("with derivatives", gradient)
+    )
+}
+
+/// Seconds that `f` takes with each filter, the best of many rounds, in turns so that a busy machine slows both.
+fn in_turns(filters: [&CpuFilter; 2], f: impl Fn(&CpuFilter)) -> [f64; 2] {
+    let round = |best: [f64; 2]| std::array::from_fn(|i| best[i].min(best_of(1, || f(filters[i]))));
+    (0..30).fold([f64::INFINITY; 2], |best, _| round(best))
 }
 
 /// The time of a scene's FFTs beside that of its renders.

@@ -12,7 +12,7 @@ fn main() -> anyhow::Result<()> {
         anyhow::bail!("usage: fit_one_image SCENE.toml");
     };
     let scene = Scene::read(&path, Purpose::Fit)?;
-    let fit = fit_scenes(&[scene], &Settings::default(), Filter::Eq29)?;
+    let fit = fit_scenes(&[scene], &Settings::default(), Filter::Auto)?;
 
     for (channel, result) in &fit.channels {
         let values = result.parameters.values();

@@ -100,6 +100,9 @@ pub enum Error {
     /// An option that the interface names and the program does not yet have.
     #[error("{0} is not built yet")]
     NotBuilt(String),
+    /// Options that contradict each other.
+    #[error("{0}")]
+    Usage(String),
     /// Input that is well formed but holds nothing that a fit could use.
     #[error("nothing to fit: {0}")]
     NothingToFit(String),

@@ -131,6 +131,7 @@ fn a_figure_shows_each_panel_with_its_bar() {
             panel("colour", &colour, Shade::Radiance(Tone::of(&colour))),
             panel("residual", &residual, Shade::Diverging { scale: 0.02 }),
             panel("third", &observed, Shade::Radiance(tone)),
+            panel("sequential", &observed, Shade::from_zero(&observed)),
         ],
         ..figure
     };

@@ -3,8 +3,8 @@
 mod common;
 
 use narrowbeam::filter::Filter;
-use narrowbeam::fit::Settings;
 use narrowbeam::fit::scenes::{SceneFit, fit_scenes};
+use narrowbeam::fit::{NAMES, Settings};
 use narrowbeam::scene::{MediumValues, Purpose, Scene, read_truth};
 use narrowbeam::spread::Model;
 use std::path::{Path, PathBuf};
@@ -22,9 +22,12 @@ fn datasets() -> Vec<(String, PathBuf)> {
     all
 }
 
-fn fit(folder: &Path, model: Model) -> SceneFit {
-    let scene = Scene::read(&folder.join("scene.toml"), Purpose::Fit).unwrap();
-    fit_scenes(&[scene], &Settings { model, ..Settings::default() }, Filter::Eq29).unwrap()
+/// Sets of parted depths, observed by Mitsuba from whole shapes.
+const STAGED: [&str; 3] = ["mitsuba-planes", "mitsuba-stage", "mitsuba-tilt"];
+
+fn fit(scene: &Path, model: Model, filter: Filter) -> SceneFit {
+    let scene = Scene::read(scene, Purpose::Fit).unwrap();
+    fit_scenes(&[scene], &Settings { model, ..Settings::default() }, filter).unwrap()
 }
 
 fn truth(folder: &Path) -> [f64; 3] {
@@ -33,39 +36,99 @@ fn truth(folder: &Path) -> [f64; 3] {
 }
 
 /// The project's promise for data that small-angle theory describes (tau·4B ≤ .06): sigma_s within 3 %, sigma_a z
-/// within .02, B within 5 %. The theory's own error, .19 tau·4B of the transfer function, leaves room for that.
-fn tolerance(truth: [f64; 3], z: f64) -> [f64; 3] {
-    [0.03 * truth[0], 0.02 / z, 0.05 * truth[2]]
+/// within .02, B within 5 %. The theory's own error, .19 tau·4B of the transfer function, leaves room for that. The
+/// staged sets are held to more in sigma_s and sigma_a: that error, up to 3 % of sigma_a and B at their depths, and
+/// little besides; on the stage, a few screens stand for all edges.
+fn tolerance(name: &str, truth: [f64; 3], z: f64) -> [f64; 3] {
+    match name {
+        "mitsuba-planes" | "mitsuba-tilt" => [0.01 * truth[0], 0.03 * truth[1], 0.05 * truth[2]],
+        "mitsuba-stage" => [0.02 * truth[0], 0.05 * truth[1], 0.06 * truth[2]],
+        _ => [0.03 * truth[0], 0.02 / z, 0.05 * truth[2]],
+    }
 }
+
+/// The errors of sigma_s, sigma_a and B.
+fn errors(fit: &SceneFit, truth: [f64; 3]) -> [f64; 3] {
+    let values = fit.channels[0].1.parameters.values();
+    std::array::from_fn(|i| values[i] - truth[i])
+}
+
+fn is_within(errors: [f64; 3], allowed: [f64; 3]) -> bool {
+    (0..3).all(|i| errors[i].abs() <= allowed[i])
+}
+
+/// A row for each parameter; beside the errors those of eq29, if it is not what was fitted with.
+fn print_rows(name: &str, fit: &SceneFit, truth: [f64; 3], eq29: Option<[f64; 3]>) {
+    let (channel, errors) = (&fit.channels[0].1, errors(fit, truth));
+    let tau_4b = 4.0 * truth[0] * truth[2] * channel.median_z;
+    for (i, parameter) in NAMES.into_iter().enumerate() {
+        let p = &fit.report.parameters[parameter];
+        let (value, error) = (p["value"].as_f64().unwrap(), p["std_error"].as_f64().unwrap());
+        let percent = |error: f64| format!("{:.2}", 100.0 * error / truth[i]);
+        println!(
+            "{name:16} {:9} {tau_4b:4.3} {:7.3} {parameter:8} {:9.5} {value:9.5} {error:9.1e} {:>8} {:10.1} {:>8}",
+            fit.report.filter,
+            channel.reduced_chi2,
+            truth[i],
+            percent(errors[i]),
+            errors[i] / error,
+            eq29.map_or("-".into(), |e| percent(e[i]))
+        );
+    }
+}
+
+const HEADING: &str = "dataset          filter   tau·4B    chi² parameter    truth  estimate std error  error % \
+                       error/std   eq29 %";
 
 #[test]
 fn every_dataset_gives_its_medium_back() {
     let all = datasets();
-    println!(
-        "dataset            parameter      truth   estimate  std error   error %   error/std   reduced chi²"
-    );
+    let mut failed = Vec::new();
+    println!("{HEADING}");
     for (name, folder) in &all {
-        let fit = fit(folder, Model::SmallAngle);
-        let (_, channel) = &fit.channels[0];
+        let scene = folder.join("scene.toml");
+        let (fit_by, truth) = (|filter| fit(&scene, Model::SmallAngle, filter), truth(folder));
+        let fit = fit_by(Filter::Auto);
         assert!(fit.report.is_complete(), "{name}: {:?}", fit.report.warnings);
-        let truth = truth(folder);
-        let allowed = tolerance(truth, channel.median_z);
-        for (i, parameter) in ["sigma_s", "sigma_a", "b"].into_iter().enumerate() {
-            let p = &fit.report.parameters[parameter];
-            let (value, error) = (p["value"].as_f64().unwrap(), p["std_error"].as_f64().unwrap());
-            let off = value - truth[i];
-            println!(
-                "{name:18} {parameter:10} {:9.5}  {value:9.5}  {error:9.2e}  {:8.2}   {:9.1}   {:12.3}",
-                truth[i],
-                100.0 * off / truth[i],
-                off / error,
-                channel.reduced_chi2
-            );
-            assert!(off.abs() <= allowed[i], "{name}: {parameter} = {value}, truth {}", truth[i]);
+        let allowed = tolerance(name, truth, fit.channels[0].1.median_z);
+        // eq29 takes minutes on the stage: `eq29_does_not_give_the_stage_s_medium_back`.
+        let beside = fit.report.filter == "composite" && name != "mitsuba-stage";
+        let eq29 = beside.then(|| errors(&fit_by(Filter::Eq29), truth));
+        print_rows(name, &fit, truth, eq29);
+        if !is_within(errors(&fit, truth), allowed) {
+            failed.push(name);
+        }
+        if let Some(eq29) = eq29
+            && STAGED.contains(&name.as_str())
+        {
+            assert!(!is_within(eq29, allowed), "{name}: eq29 would do");
         }
     }
+    assert!(failed.is_empty(), "not within their tolerances: {failed:?}");
     let made_by = |maker: &str| all.iter().filter(|(name, _)| name.starts_with(maker)).count();
     assert!(made_by("mitsuba-") >= 2 && made_by("traced-") >= 2);
+}
+
+#[test]
+#[ignore = "takes minutes: a perspective view of many depths needs hundreds of slices without screens"]
+fn eq29_does_not_give_the_stage_s_medium_back() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("datasets/mitsuba-stage");
+    let fit = fit(&folder.join("scene.toml"), Model::SmallAngle, Filter::Eq29);
+    let truth = truth(&folder);
+    println!("{HEADING}");
+    print_rows("mitsuba-stage", &fit, truth, None);
+    assert!(!is_within(errors(&fit, truth), tolerance("mitsuba-stage", truth, fit.channels[0].1.median_z)));
+}
+
+#[test]
+fn what_is_hidden_need_not_be_left_out_if_a_layer_shows_it() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("datasets/mitsuba-planes");
+    let fit = fit(&folder.join("layers.toml"), Model::SmallAngle, Filter::Auto);
+    let (channel, truth) = (&fit.channels[0].1, truth(&folder));
+    println!("{HEADING}");
+    print_rows("planes, layers", &fit, truth, None);
+    assert_eq!(channel.hidden_pixels, 0);
+    assert!(is_within(errors(&fit, truth), tolerance("mitsuba-planes", truth, channel.median_z)));
 }
 
 #[test]
@@ -75,7 +138,7 @@ fn the_tolerances_reject_the_medium_of_another_dataset() {
         let others = all.iter().filter(|(other, _)| other != name);
         for (_, other) in others {
             let (mine, theirs) = (truth(folder), truth(other));
-            let allowed = tolerance(mine, 1.0);
+            let allowed = tolerance(name, mine, 1.0);
             assert!((0..3).any(|i| (mine[i] - theirs[i]).abs() > allowed[i]));
         }
     }
@@ -85,10 +148,12 @@ fn the_tolerances_reject_the_medium_of_another_dataset() {
 fn the_printed_kernel_gives_b_too_low_and_loses_sigma_s_in_thick_media() {
     // Fitted to the true transport the kernel with the second moment of eq. 21 puts B 26-57 % low, and in thick
     // media sigma_s runs away: its moment is up to three times too large, and its shape has too much weight near 0.
+    // The staged sets span too many depths to be thin or thick.
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("datasets");
     println!("dataset            tau    error of sigma_s, sigma_a, B in percent (narrow-beam-printed)");
-    for (name, folder) in datasets() {
-        let (_, channel) = &fit(&folder, Model::NarrowBeamPrinted).channels[0];
+    let printed = |folder: &Path| fit(&folder.join("scene.toml"), Model::NarrowBeamPrinted, Filter::Eq29);
+    for (name, folder) in datasets().into_iter().filter(|(name, _)| !STAGED.contains(&name.as_str())) {
+        let (_, channel) = &printed(&folder).channels[0];
         let (truth, value) = (truth(&folder), channel.parameters.values());
         let error: Vec<f64> = (0..3).map(|i| 100.0 * (value[i] / truth[i] - 1.0)).collect();
         let tau = truth[0] * channel.median_z;
@@ -98,7 +163,7 @@ fn the_printed_kernel_gives_b_too_low_and_loses_sigma_s_in_thick_media() {
             assert!(error[2] > -57.0 && error[0].abs() < 15.0, "{name}: {error:?}");
         }
     }
-    let thick = &fit(&root.join("mitsuba-slope"), Model::NarrowBeamPrinted);
+    let thick = printed(&root.join("mitsuba-slope"));
     assert!(thick.channels[0].1.parameters.values()[0] > 2.0 * 1.2);
     assert!(!thick.report.is_complete() || !thick.report.warnings.is_empty());
 }

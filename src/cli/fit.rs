@@ -4,7 +4,6 @@ use super::options::{Backend, parse_backend, parse_model, provenance};
 use super::progress::Progress;
 use super::{UNDETERMINED, say};
 use crate::filter::Filter;
-use crate::fit::report::FitReport;
 use crate::fit::scenes::{SceneFit, check_scenes, fit_scenes};
 use crate::fit::{Method, Settings};
 use crate::io::colour::{Tone, residual_scale};
@@ -36,7 +35,7 @@ pub(super) struct Arguments {
     /// Iterations after which a fit is given up
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..))]
     max_iterations: u64,
-    /// Directory for fit.json, render.exr, residual.exr and pictures
+    /// Directory for fit.json, render.exr, residual.exr, hidden_share.exr (if something is hidden) and pictures
     #[arg(long, default_value = "narrowbeam-fit", value_name = "DIR")]
     out: PathBuf,
     /// Print the report as JSON, alone on stdout
@@ -73,12 +72,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     drop(progress);
     fit.report.command = provenance().into_iter().find(|(key, _)| key == "command").map(|(_, value)| value);
     write(arguments, &scenes, &fit)?;
-    tell(arguments, &fit.report)?;
+    tell(arguments, &fit)?;
     Ok(if fit.report.is_complete() { ExitCode::SUCCESS } else { ExitCode::from(UNDETERMINED) })
 }
 
 /// The table for people goes to stdout, or to stderr if stdout is for the JSON.
-fn tell(arguments: &Arguments, report: &FitReport) -> Result<()> {
+fn tell(arguments: &Arguments, fit: &SceneFit) -> Result<()> {
+    let report = &fit.report;
     let mut text = String::new();
     let rows = report.table("1/length");
     let width = |c: usize| rows.iter().map(|r| r[c].chars().count()).max().unwrap_or(0);
@@ -87,7 +87,7 @@ fn tell(arguments: &Arguments, report: &FitReport) -> Result<()> {
             row.iter().enumerate().map(|(c, cell)| format!("{cell:<w$}", w = width(c))).collect();
         text += &format!("{}\n", cells.join("   ").trim_end());
     }
-    text += &format!("{}\n", how_it_went(arguments, report));
+    text += &format!("{}\n", how_it_went(arguments, fit));
     if arguments.json {
         eprint!("{text}");
         say(&format!("{}\n", serde_json::to_string_pretty(report)?))?;
@@ -100,15 +100,23 @@ fn tell(arguments: &Arguments, report: &FitReport) -> Result<()> {
     Ok(())
 }
 
-fn how_it_went(arguments: &Arguments, report: &FitReport) -> String {
+fn how_it_went(arguments: &Arguments, fit: &SceneFit) -> String {
+    let (report, hides) = (&fit.report, fit.hides());
     let fit = &report.fit;
+    let count = |key: &str| fit[key].as_u64().unwrap_or(0);
+    let (counted, hidden) = (count("pixels"), count("hidden_pixels"));
+    let left_out = if hides {
+        format!(", {hidden} of {} pixels left out for hidden light", hidden + counted)
+    } else {
+        String::new()
+    };
     format!(
-        "{}, {} on {}: reduced chi² {:.3} over {} pixels, {} iterations, {} renders, {:.3} s; report in {}",
+        "{}, {} on {}: reduced chi² {:.3} over {counted} pixels{left_out}, {} iterations, {} renders, {:.3} s; \
+         report in {}",
         report.model,
         report.filter,
         arguments.backend.name(),
         fit["reduced_chi2"].as_f64().unwrap_or(f64::NAN),
-        fit["pixels"],
         fit["iterations"],
         fit["evaluations"],
         fit["seconds"].as_f64().unwrap_or(f64::NAN),
@@ -116,10 +124,11 @@ fn how_it_went(arguments: &Arguments, report: &FitReport) -> String {
     )
 }
 
-/// Name and kind of what is written for each scene.
-const OUTPUTS: [(&str, &str); 7] = [
+/// Name and kind of what is written for each scene; `hidden_share` only if something is hidden.
+const OUTPUTS: [(&str, &str); 8] = [
     ("render", "exr"),
     ("residual", "exr"),
+    ("hidden_share", "exr"),
     ("object", "png"),
     ("observed", "png"),
     ("render", "png"),
@@ -133,7 +142,8 @@ fn output(arguments: &Arguments, scenes: usize, i: usize, name: &str, kind: &str
     arguments.out.join(format!("{name}{suffix}.{kind}"))
 }
 
-/// `render`, `residual` and the pictures of each scene, then the report.
+/// `render`, `residual`, `hidden_share` and the pictures of each scene, then the report. An earlier fit's `hidden_share`
+/// is removed if nothing is hidden now.
 fn write(arguments: &Arguments, scenes: &[Scene], fit: &SceneFit) -> Result<()> {
     for (i, scene) in scenes.iter().enumerate() {
         let observation = scene.observation.as_ref().expect("read for a fit");
@@ -148,17 +158,26 @@ fn write(arguments: &Arguments, scenes: &[Scene], fit: &SceneFit) -> Result<()> 
         png::write_picture(&file("render", "png"), &render, tone)?;
         png::write_residual(&file("residual", "png"), &residual, Some(scale))?;
         let panel = |title: &str, channels, shade| Panel { title: title.into(), channels, shade };
+        let mut panels = vec![
+            panel("object (clear)", scene.object.clone(), Shade::Radiance(Tone::of(&scene.object))),
+            panel("observed", observation.image.clone(), Shade::Radiance(tone)),
+            panel("best fit", render, Shade::Radiance(tone)),
+            panel("observed - best fit", residual, Shade::Diverging { scale }),
+        ];
+        match fit.hidden_share(i) {
+            Some(share) => {
+                exr::write(&file("hidden_share", "exr"), &share, &provenance())?;
+                let shade = Shade::from_zero(&share);
+                panels.push(panel("share of hidden light", share, shade));
+            }
+            None => atomic::remove(&file("hidden_share", "exr"))?,
+        }
         let figure = Figure {
             title: format!("{}: {} fit", scene.path.display(), fit.report.model),
-            panels: vec![
-                panel("object (clear)", scene.object.clone(), Shade::Radiance(Tone::of(&scene.object))),
-                panel("observed", observation.image.clone(), Shade::Radiance(tone)),
-                panel("best fit", render, Shade::Radiance(tone)),
-                panel("observed - best fit", residual, Shade::Diverging { scale }),
-            ],
-            columns: 4,
+            columns: if panels.len() > 4 { 3 } else { 4 },
+            panels,
             table: fit.report.table("1/length"),
-            notes: vec![how_it_went(arguments, &fit.report)],
+            notes: vec![how_it_went(arguments, fit)],
         };
         figure.write_png(&file("fit", "png"))?;
     }

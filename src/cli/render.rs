@@ -2,16 +2,19 @@
 
 use super::options::{Backend, MediumOptions, parse_backend, parse_model, provenance};
 use super::progress::Progress;
+use crate::error::Error;
 use crate::filter::cpu::{CUT, CpuFilter};
-use crate::filter::{Filter, Optics, Target};
+use crate::filter::{Filter, Optics, Target, hidden_share};
 use crate::image::Channel;
 use crate::io::{atomic, exr};
 use crate::medium::Medium;
 use crate::phase::Gaussian;
+use crate::plots::{Figure, Panel, Shade};
 use crate::scene::{Purpose, Scene};
 use crate::spread::Model;
 use anyhow::Result;
-use std::path::PathBuf;
+use clap::builder::{PathBufValueParser, TypedValueParser};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 #[derive(Debug, clap::Args)]
@@ -33,16 +36,32 @@ pub(super) struct Arguments {
     /// Image to write
     #[arg(long, value_name = "FILE.exr")]
     output: PathBuf,
+    /// Also write the share of each pixel's light that may be hidden behind near surfaces, where no layer shows it: an
+    /// EXR of the object's channels, or a PNG picture
+    #[arg(long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(exr_or_png))]
+    hidden_share: Option<PathBuf>,
+}
+
+fn exr_or_png(path: PathBuf) -> std::result::Result<PathBuf, &'static str> {
+    if has_extension(&path, "exr") || has_extension(&path, "png") {
+        Ok(path)
+    } else {
+        Err("must end in .exr or .png")
+    }
+}
+
+fn has_extension(path: &Path, extension: &str) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let scene = Scene::read(&arguments.scene, Purpose::Render)?;
     let media = scene.medium_values(arguments.medium.values())?;
-    atomic::check_writable(&arguments.output)?;
+    check_outputs(arguments)?;
     let progress = Progress::uncounted("rendering");
     let relief = arguments.filter.relief(&scene.geometry);
     let mut cut = false;
-    let mut channels = Vec::new();
+    let (mut channels, mut shares) = (Vec::new(), Vec::new());
     for ((object, behind), values) in scene.object.iter().zip(&scene.behind).zip(&media) {
         let phase = Gaussian::new(values.b)?;
         let medium = Medium::new(values.sigma_s, values.sigma_a)?;
@@ -59,6 +78,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
         let image = filter.render(&optics)?;
         cut |= filter.coverage(&optics)?.cut;
         channels.push(Channel { name: object.name.clone(), image });
+        if arguments.hidden_share.is_some() {
+            shares.push(Channel { name: object.name.clone(), image: hidden_share(&target, &optics)? });
+        }
     }
     drop(progress);
     let mut attributes = provenance();
@@ -67,8 +89,46 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     attributes.push(("backend".into(), arguments.backend.name().into()));
     attributes.push(("medium".into(), format!("{media:?}")));
     exr::write(&arguments.output, &channels, &attributes)?;
+    match &arguments.hidden_share {
+        Some(path) if has_extension(path, "png") => draw_hidden_share(path, &scene, shares)?,
+        Some(path) => exr::write(path, &shares, &attributes)?,
+        None => (),
+    }
     if cut {
         eprintln!("warning (kernel_cut): {CUT}");
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Refuses outputs that contradict other options or cannot be written.
+fn check_outputs(arguments: &Arguments) -> Result<()> {
+    atomic::check_writable(&arguments.output)?;
+    if let Some(path) = &arguments.hidden_share {
+        let refuse = |why| Err(Error::Usage(format!("--hidden-share {}: {why}", path.display())));
+        if arguments.filter == Filter::Eq29 {
+            refuse(
+                "--filter eq29 lets light pass through near surfaces, so it knows of nothing hidden; use composite or auto",
+            )?;
+        }
+        if *path == arguments.output {
+            refuse("is --output too")?;
+        }
+        atomic::check_writable(path)?;
+    }
+    Ok(())
+}
+
+/// Writes the picture of the share of hidden light with its colour bar.
+fn draw_hidden_share(path: &Path, scene: &Scene, shares: Vec<Channel>) -> crate::Result<()> {
+    let shade = Shade::from_zero(&shares);
+    let title = if shares.len() == 1 { "" } else { ", mean of the channels" };
+    let panel = Panel { title: format!("share of hidden light{title}"), channels: shares, shade };
+    let figure = Figure {
+        title: scene.path.display().to_string(),
+        panels: vec![panel],
+        columns: 1,
+        table: Vec::new(),
+        notes: Vec::new(),
+    };
+    figure.write_png(path)
 }

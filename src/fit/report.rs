@@ -240,6 +240,18 @@ fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warning> {
         let message = "the noise of the scenes or the depth slices of the render did not settle";
         warn("not_settled", format!("{message}{suffix}"));
     }
+    if fit.hidden_pixels > fit.pixels {
+        warn(
+            "hidden_light",
+            format!(
+                "{} of {} pixels{suffix} are left out, as more than hidden_share_max of their light may be hidden \
+                 behind near surfaces; give what lies there as [[object.layer]], or raise [observation] \
+                 hidden_share_max",
+                fit.hidden_pixels,
+                fit.hidden_pixels + fit.pixels
+            ),
+        );
+    }
     if fit.reduced_chi2 > MISFIT {
         warn(
             "misfit",

@@ -37,6 +37,11 @@ impl SceneFit {
         self.channels.iter().map(channel).collect()
     }
 
+    /// Whether some light of some scene may be hidden, be it enough to leave pixels out or not.
+    pub fn hides(&self) -> bool {
+        self.channels.iter().any(|(_, fit)| fit.hidden_shares.iter().any(Option::is_some))
+    }
+
     /// Observation minus best fit of scene `scene`.
     pub fn residual(&self, scene: usize, observed: &[Channel]) -> Vec<Channel> {
         let subtract = |(render, observed): (Channel, &Channel)| {

@@ -48,6 +48,19 @@ pub fn create_dir(path: &Path) -> Result<()> {
     fs::create_dir_all(path).map_err(|source| Error::Write { path: path.to_path_buf(), source })
 }
 
+/// Removes the file `path`, if there is one.
+///
+/// # Errors
+/// [`Error::Write`] with the path.
+pub fn remove(path: &Path) -> Result<()> {
+    match fs::remove_file(path) {
+        Err(source) if source.kind() != io::ErrorKind::NotFound => {
+            Err(Error::Write { path: path.to_path_buf(), source })
+        }
+        _ => Ok(()),
+    }
+}
+
 fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let target = match fs::canonicalize(path) {
         Ok(existing) if existing.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
@@ -99,6 +112,17 @@ mod tests {
         assert_eq!(fs::read(&path).unwrap(), b"one");
         assert!(matches!(check_writable(&dir.path().join("no/a.txt")), Err(Error::Write { .. })));
         assert!(matches!(check_writable(dir.path()), Err(Error::Write { .. })));
+    }
+
+    #[test]
+    fn a_file_is_removed_whether_it_is_there_or_not() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.txt");
+        write(&path, b"one").unwrap();
+        remove(&path).unwrap();
+        remove(&path).unwrap();
+        assert!(!path.exists());
+        assert!(matches!(remove(dir.path()), Err(Error::Write { .. })));
     }
 
     #[test]

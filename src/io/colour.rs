@@ -2,7 +2,8 @@
 //!
 //! Pictures: value / white through the sRGB transfer curve (IEC 61966-2-1), clipped to 0..1; white is the 99.5 %
 //! quantile of a reference image, so that single bright pixels do not darken the rest. Signed values: a diverging
-//! map from blue (negative) over white (0) to red (positive), symmetric, linear in the value.
+//! map from blue (negative) over white (0) to red (positive), symmetric, linear in the value. Values from 0 up: a
+//! sequential map from white (0) over green to dark blue, linear in the value.
 
 use crate::image::Channel;
 
@@ -56,9 +57,27 @@ pub fn diverging(t: f64) -> [u8; 3] {
     if t.is_nan() {
         return NOT_A_NUMBER;
     }
-    let stops = &SIDE[usize::from(t > 0.0)];
-    let position = t.abs().min(1.0) * 3.0;
-    let i = (position as usize).min(2);
+    between(&SIDE[usize::from(t > 0.0)], t.abs())
+}
+
+/// Colour of the share `t` of the scale: 0 white, 1 dark blue, clipped outside.
+///
+/// Piecewise linear between white and four classes of ColorBrewer's YlGnBu, which darken evenly.
+pub fn sequential(t: f64) -> [u8; 3] {
+    const STOPS: [[f64; 3]; 5] = [
+        [255.0, 255.0, 255.0],
+        [199.0, 233.0, 180.0],
+        [65.0, 182.0, 196.0],
+        [34.0, 94.0, 168.0],
+        [8.0, 29.0, 88.0],
+    ];
+    if t.is_nan() { NOT_A_NUMBER } else { between(&STOPS, t) }
+}
+
+/// The colour at the share `t` of the way over evenly spaced `stops`, clipped to 0..1.
+fn between(stops: &[[f64; 3]], t: f64) -> [u8; 3] {
+    let position = t.clamp(0.0, 1.0) * (stops.len() - 1) as f64;
+    let i = (position as usize).min(stops.len() - 2);
     let f = position - i as f64;
     std::array::from_fn(|c| (stops[i][c] + f * (stops[i + 1][c] - stops[i][c])).round() as u8)
 }
@@ -113,5 +132,16 @@ mod tests {
             assert!((luma(minus) - luma(plus)).abs() < 40.0, "{t}: {minus:?} {plus:?}");
         }
         assert_eq!(diverging(7.0), diverging(1.0));
+    }
+
+    #[test]
+    fn the_sequential_map_is_white_at_zero_and_darkens() {
+        let luma =
+            |c: [u8; 3]| 0.2126 * f64::from(c[0]) + 0.7152 * f64::from(c[1]) + 0.0722 * f64::from(c[2]);
+        let lumas: Vec<f64> = (0..=20).map(|i| luma(sequential(f64::from(i) / 20.0))).collect();
+        assert!(lumas.windows(2).all(|pair| pair[1] < pair[0]), "{lumas:?}");
+        assert_eq!(sequential(0.0), [255, 255, 255]);
+        assert_eq!((sequential(-1.0), sequential(7.0)), (sequential(0.0), sequential(1.0)));
+        assert_eq!(sequential(f64::NAN), NOT_A_NUMBER);
     }
 }

@@ -1,6 +1,7 @@
 //! Images side by side, each with its title and colour bar, and a table of numbers below.
 
 use super::canvas::{Drawn, INK, bitmap, label, text, text_width, write_png};
+use super::colour_bar::BAR_TICKS;
 pub use super::colour_bar::Shade;
 use crate::error::Result;
 use crate::image::{Channel, Image};
@@ -81,8 +82,10 @@ impl Figure {
         let rows = self.panels.len().div_ceil(self.columns) as i32;
         let lines = (self.table.len() + self.notes.len()) as i32;
         let panels = 2 * MARGIN_PX + width * self.columns.min(self.panels.len().max(1)) as i32;
-        let note = self.notes.iter().chain([&self.title]).map(|n| text_width(n, TITLE_PX) as i32);
-        let text = note.chain([self.column_offsets().last().copied().unwrap_or(0)]).max().unwrap_or(0);
+        let title = text_width(&self.title, TITLE_PX) as i32;
+        let notes = self.notes.iter().map(|n| text_width(n, TEXT_PX) as i32);
+        let text =
+            notes.chain([title, self.column_offsets().last().copied().unwrap_or(0)]).max().unwrap_or(0);
         let width = panels.max(text + 2 * MARGIN_PX);
         (width as u32, (2 * MARGIN_PX + 2 * ROW_PX + rows * height + lines * ROW_PX) as u32)
     }
@@ -107,7 +110,10 @@ impl Figure {
         for (i, panel) in self.panels.iter().enumerate() {
             let (x, y) = self.corner(i);
             write(&panel.title, (x, y - ROW_PX), TEXT_PX)?;
-            draw_bar(root, panel, self.corner(i))?;
+            let (w, h) = fitted(&panel.channels[0].image);
+            let frame = [(x - 1, y - 1), (x + w as i32, y + h as i32)];
+            root.draw(&Rectangle::new(frame, INK.mix(0.5))).map_err(|e| e.to_string())?;
+            draw_bar(root, panel, (x, y))?;
         }
         let rows = self.panels.len().div_ceil(self.columns) as i32;
         let top = MARGIN_PX + 2 * ROW_PX + rows * self.cell().1 + 6;
@@ -148,7 +154,7 @@ fn draw_bar<DB: DrawingBackend>(root: &DrawingArea<DB, Shift>, panel: &Panel, co
     }
     let frame = [(left, top), (left + BAR_WIDTH_PX, top + height - 1)];
     root.draw(&Rectangle::new(frame, INK.stroke_width(1))).map_err(|e| e.to_string())?;
-    for value in scale.ticks(5) {
+    for value in scale.ticks(BAR_TICKS) {
         let (x, y) = (left + BAR_WIDTH_PX, y_of(value));
         let tick = PathElement::new([(x, y), (x + 4, y)], INK);
         let number = Text::new(scale.label(value), (x + 8, y), label(TICK_PX));

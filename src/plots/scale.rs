@@ -92,7 +92,7 @@ impl Scale {
 }
 
 /// The round number (1, 2 or 5 times a power of ten) at or above `step`.
-fn round_step(step: f64) -> f64 {
+pub(super) fn round_step(step: f64) -> f64 {
     let decade = 10f64.powf(step.log10().floor());
     let round = [1.0, 2.0, 5.0].into_iter().find(|m| m * decade >= step * 0.9999);
     round.unwrap_or(10.0) * decade

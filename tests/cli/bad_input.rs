@@ -194,10 +194,12 @@ fn coefficients_beyond_what_can_be_traced() {
 
 #[test]
 fn an_output_that_is_a_directory_is_found_before_anything_is_written() {
-    let shop = sound();
-    std::fs::create_dir_all(shop.file("result/fit.json")).unwrap();
-    let run = shop.run("fit scene.toml --out result");
-    assert_eq!(run.code, 2);
-    assert!(run.stderr.contains("fit.json"), "{}", run.stderr);
-    assert_eq!(std::fs::read_dir(shop.file("result")).unwrap().count(), 1);
+    for name in ["fit.json", "hidden_share.exr"] {
+        let shop = sound();
+        std::fs::create_dir_all(shop.file("result").join(name)).unwrap();
+        let run = shop.run("fit scene.toml --out result");
+        assert_eq!(run.code, 2);
+        assert!(run.stderr.contains(name), "{}", run.stderr);
+        assert_eq!(std::fs::read_dir(shop.file("result")).unwrap().count(), 1);
+    }
 }

@@ -1,6 +1,6 @@
 //! `fit`: report, files and exit codes.
 
-use crate::workshop::{SCENE, Workshop, texture};
+use crate::workshop::{SCENE, SIDE, Workshop, striped, texture};
 use narrowbeam::io::exr::ExrFile;
 use serde_json::Value;
 
@@ -198,13 +198,74 @@ fn a_larger_object_is_seen_in_its_middle_or_at_an_offset() {
 fn what_is_not_built_yet_is_said_with_code_2() {
     let shop = Workshop::new();
     shop.observe(SCENE);
-    for option in ["--backend gpu", "--filter composite", "--model wide-angle"] {
+    for option in ["--backend gpu", "--model wide-angle"] {
         let run = shop.run(&format!("fit scene.toml --out result {option}"));
         assert_eq!(run.code, 2, "{option}");
         assert!(run.stderr.contains("not built yet"), "{}", run.stderr);
         assert!(!shop.file("result").exists());
     }
     assert_eq!(shop.run("fit scene.toml --model auto --filter auto --backend auto --out result").code, 0);
+}
+
+#[test]
+fn pixels_left_out_for_hidden_light_are_counted_and_their_share_is_written() {
+    let shop = Workshop::new();
+    shop.observe(&striped(&shop, SIDE / 2));
+    let run = shop.run("fit scene.toml --out result");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let report = report(&shop, "result");
+    assert_eq!(report["filter"], "composite");
+    near(&report["parameters"]["sigma_s"]["value"], 0.8, 1e-2);
+    let pixels = (SIDE * SIDE) as u64;
+    let hidden = report["fit"]["hidden_pixels"].as_u64().unwrap();
+    assert!(hidden > 0 && hidden < pixels / 2, "{hidden}");
+    assert_eq!(report["fit"]["pixels"], pixels - hidden);
+    assert_eq!(report["exposures"][0]["hidden_pixels"], hidden);
+    assert!(!codes(&report).contains(&"hidden_light"));
+    let told = format!("{hidden} of {pixels} pixels left out for hidden light");
+    assert!(run.stdout.contains(&told), "{}", run.stdout);
+
+    let share = ExrFile::read(&shop.file("result/hidden_share.exr")).unwrap().radiance().unwrap().remove(0);
+    assert_eq!((share.name.as_str(), share.image.width, share.image.height), ("Y", SIDE, SIDE));
+    // Pixels about the limit do not move the fit, so it need not follow the last few.
+    let above = share.image.data.iter().filter(|&&s| s > 0.01).count() as f64;
+    assert!((above - hidden as f64).abs() < 0.005 * pixels as f64, "{above} {hidden}");
+    assert!(share.image.data.iter().all(|s| (0.0..=1.0).contains(s)));
+
+    let size = |name: &str| image::open(shop.file(name)).unwrap().into_rgb8().height();
+    let with_share = size("result/fit.png");
+    assert_eq!(shop.run("fit scene.toml --filter eq29 --out result").code, 0);
+    assert!(!shop.file("result/hidden_share.exr").exists(), "left over from the fit before");
+    assert!(size("result/fit.png") < with_share);
+}
+
+#[test]
+fn something_hidden_is_told_of_even_if_no_pixel_is_left_out() {
+    let shop = Workshop::new();
+    let scene = striped(&shop, SIDE / 2).replace("[medium]", "hidden_share_max = 1.0\n[medium]");
+    shop.observe(&scene);
+    let run = shop.run("fit scene.toml --out result");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stdout.contains("0 of 2304 pixels left out"), "{}", run.stdout);
+    assert_eq!(report(&shop, "result")["fit"]["hidden_pixels"], 0);
+    assert!(shop.file("result/hidden_share.exr").is_file());
+    shop.observe(SCENE);
+    let run = shop.run("fit scene.toml --out plain");
+    assert!(!run.stdout.contains("left out") && !shop.file("plain/hidden_share.exr").exists());
+}
+
+#[test]
+fn more_pixels_left_out_than_counted_are_warned_of() {
+    let shop = Workshop::new();
+    shop.observe(&striped(&shop, 12));
+    let run = shop.run("fit scene.toml --out result");
+    let report = report(&shop, "result");
+    let count = |key: &str| report["fit"][key].as_u64().unwrap();
+    assert!(count("hidden_pixels") > count("pixels"), "{}", report["fit"]);
+    assert!(codes(&report).contains(&"hidden_light"));
+    for advice in ["[[object.layer]]", "hidden_share_max"] {
+        assert!(run.stderr.contains(advice), "{}", run.stderr);
+    }
 }
 
 #[test]

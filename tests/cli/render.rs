@@ -1,6 +1,6 @@
 //! `render`: overrides and what must be given.
 
-use crate::workshop::{SCENE, Workshop};
+use crate::workshop::{SCENE, SIDE, Workshop, striped, texture};
 use narrowbeam::io::exr::ExrFile;
 
 fn mean(shop: &Workshop, name: &str) -> f64 {
@@ -63,4 +63,46 @@ fn a_kernel_cut_by_the_padding_is_warned_of() {
     let run = shop.run("render scene.toml --output out.exr");
     assert_eq!(run.code, 0);
     assert!(run.stderr.contains("kernel_cut"), "{}", run.stderr);
+}
+
+#[test]
+fn the_share_of_hidden_light_is_written_as_numbers_or_as_a_picture() {
+    let shop = Workshop::new();
+    shop.put("object.exr", &[("R", texture(0)), ("G", texture(1)), ("B", texture(2))]);
+    let scene = striped(&shop, SIDE / 2).replace("sigma_s = 0.8", "sigma_s = [0.4, 0.8, 1.2]");
+    shop.write("scene.toml", &scene);
+    for share in ["share.exr", "share.PNG"] {
+        let run = shop.run(&format!("render scene.toml --output out.exr --hidden-share {share}"));
+        assert_eq!(run.code, 0, "{}", run.stderr);
+    }
+    let share = ExrFile::read(&shop.file("share.exr")).unwrap().radiance().unwrap();
+    assert_eq!(share.iter().map(|c| c.name.as_str()).collect::<Vec<_>>(), ["R", "G", "B"]);
+    // Hidden light comes round the edge, to the far side above all, and more of it the more is scattered.
+    let at = |c: usize, x: usize| share[c].image.at(x, SIDE / 2);
+    assert!(at(1, SIDE / 2 + 1) > 0.01 && at(1, SIDE - 3) < 1e-3 && at(1, SIDE / 4) < 1e-3);
+    assert!(at(0, SIDE / 2 + 1) < at(1, SIDE / 2 + 1) && at(1, SIDE / 2 + 1) < at(2, SIDE / 2 + 1));
+    let picture = image::open(shop.file("share.PNG")).unwrap();
+    assert!(picture.width() > 300 && picture.height() > 300);
+    shop.write("scene.toml", SCENE);
+    assert_eq!(shop.run("render scene.toml --output out.exr --hidden-share none.exr").code, 0);
+    assert_eq!(mean(&shop, "none.exr"), 0.0);
+}
+
+#[test]
+fn a_share_of_hidden_light_that_cannot_be_had_is_refused() {
+    let shop = Workshop::new();
+    shop.write("scene.toml", &striped(&shop, SIDE / 2));
+    shop.write("taken", "a file, not a directory");
+    for (options, words) in [
+        ("--hidden-share share.tiff", ["share.tiff", ".exr or .png"]),
+        ("--hidden-share share", ["share", ".exr or .png"]),
+        ("--hidden-share share.exr --filter eq29", ["share.exr", "eq29"]),
+        ("--hidden-share out.exr", ["out.exr", "--output"]),
+        ("--hidden-share taken/share.exr", ["taken/share.exr", "cannot be written"]),
+    ] {
+        let run = shop.run(&format!("render scene.toml --output out.exr {options}"));
+        assert_eq!(run.code, 2, "{options}: {}", run.stderr);
+        assert!(words.iter().all(|word| run.stderr.contains(word)), "{}", run.stderr);
+        assert!(!shop.file("out.exr").exists() && !shop.file("share.exr").exists());
+    }
 }

@@ -69,6 +69,13 @@ impl Workshop {
     }
 }
 
+/// A scene of two surfaces: `depth.exr` has stripes of `width` px, the near one at the left.
+pub fn striped(shop: &Workshop, width: usize) -> String {
+    let depth = Image::from_fn(SIDE, SIDE, |x, _| if (x / width).is_multiple_of(2) { 1.0 } else { 2.0 });
+    shop.put("depth.exr", &[("Z", depth)]);
+    SCENE.replace("depth = 2.0", "depth = \"depth.exr\"")
+}
+
 /// A pattern of edges and slow changes; `seed` makes others.
 pub fn texture(seed: usize) -> Image {
     Image::from_fn(SIDE, SIDE, |x, y| {
