@@ -124,7 +124,7 @@ fn against_eq29(name: &str, geometry: &Geometry, optics: &Optics) -> String {
     };
     let composite = Target { relief: Some(&relief), ..eq29 };
     let far = geometry.path_lengths().into_iter().fold(0.0, f64::max);
-    let reach_px = optics.kernel(far).unwrap().support(1e-5) / geometry.pixel_pitch(0, 0, far);
+    let reach_px = optics.kernel(far).unwrap().support(1e-5) / geometry.pixel_pitch(far);
     let eq29 = CpuFilter::with_slices(eq29, SLICES, reach_px);
     let composite = CpuFilter::with_slices(composite, SLICES / (relief.screens.len() + 1), reach_px);
     assert_eq!(eq29.slice_count(), composite.slice_count(), "{name}: {} screens", relief.screens.len());

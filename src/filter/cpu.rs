@@ -5,7 +5,7 @@
 //! what the screen covers, and is carried on to the next. Slices between two screens share one inverse FFT; a screen
 //! costs one more, and a forward one. Derivatives cost three times as many (two if there is a single depth, where the
 //! derivative in sigma_a is -z times the image). A perspective view takes a few renders, one for each of its
-//! [`obliquity`](super::obliquity).
+//! obliquities (`obliquity`).
 
 use super::canvas::{Canvas, most_reach};
 use super::obliquity::{Obliquities, Obliquity};

@@ -22,7 +22,7 @@ impl Camera {
     /// Parallel rays, `pixel_pitch` (length) apart.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] unless the pitch is finite and above 0.
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless the pitch is finite and above 0.
     pub fn orthographic(pixel_pitch: f64) -> Result<Self> {
         let ok = pixel_pitch.is_finite() && pixel_pitch > 0.0;
         in_range("pixel_pitch", pixel_pitch, ok, "finite and above 0 (length)")?;
@@ -32,7 +32,7 @@ impl Camera {
     /// Rays from one point, `fov_x_deg` degrees across the width of the object image.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] unless the angle is above 0 and below 180 degrees.
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless the angle is above 0 and below 180 degrees.
     pub fn perspective(fov_x_deg: f64) -> Result<Self> {
         let ok = fov_x_deg > 0.0 && fov_x_deg < 180.0;
         in_range("fov_x_deg", fov_x_deg, ok, "between 0 and 180, exclusive (degrees)")?;
