@@ -91,8 +91,7 @@ fn every_dataset_gives_its_medium_back() {
         let fit = fit_by(Filter::Auto);
         assert!(fit.report.is_complete(), "{name}: {:?}", fit.report.warnings);
         let allowed = tolerance(name, truth, fit.channels[0].1.median_z);
-        // eq29 takes minutes on the stage: `eq29_does_not_give_the_stage_s_medium_back`.
-        let beside = fit.report.filter == "composite" && name != "mitsuba-stage";
+        let beside = fit.report.filter == "composite";
         let eq29 = beside.then(|| errors(&fit_by(Filter::Eq29), truth));
         print_rows(name, &fit, truth, eq29);
         if !is_within(errors(&fit, truth), allowed) {
@@ -107,17 +106,6 @@ fn every_dataset_gives_its_medium_back() {
     assert!(failed.is_empty(), "not within their tolerances: {failed:?}");
     let made_by = |maker: &str| all.iter().filter(|(name, _)| name.starts_with(maker)).count();
     assert!(made_by("mitsuba-") >= 2 && made_by("traced-") >= 2);
-}
-
-#[test]
-#[ignore = "takes minutes: a perspective view of many depths needs hundreds of slices without screens"]
-fn eq29_does_not_give_the_stage_s_medium_back() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("datasets/mitsuba-stage");
-    let fit = fit(&folder.join("scene.toml"), Model::SmallAngle, Filter::Eq29);
-    let truth = truth(&folder);
-    println!("{HEADING}");
-    print_rows("mitsuba-stage", &fit, truth, None);
-    assert!(!is_within(errors(&fit, truth), tolerance("mitsuba-stage", truth, fit.channels[0].1.median_z)));
 }
 
 #[test]
