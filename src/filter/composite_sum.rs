@@ -101,7 +101,7 @@ fn sources(target: &Target, relief: &Relief) -> Vec<Source> {
         for ((distance, radiance), slopes) in layers {
             let Some(d) = distance.distance(x, y) else { continue };
             let z = d - geometry.surface.at(x, y);
-            let screens = relief.screens.iter().filter(|s| s.distance < d).count();
+            let screens = relief.screens.iter().filter(|s| s.depth < d).count();
             let between = |nearer| relief.screens.iter().take(screens).skip(nearer);
             let free = before.is_none_or(|nearer| between(nearer).any(|s| s.opaque[i]));
             if z > 0.0 && free {

@@ -70,27 +70,26 @@ fn a_screen_that_covers_nothing_changes_nothing() {
         [("flat", Scene::new(SIZE, pitch, |_, _| 2.5)), ("tilted", Scene::all(1.0).swap_remove(4).1)]
     {
         let mut screened = scene.clone();
+        let nothing = || vec![false; SIZE.0 * SIZE.1];
         screened.relief.screens = [0.5, 0.9]
-            .map(|distance| Screen {
-                distance,
-                z: distance,
-                pitch,
-                opaque: vec![false; SIZE.0 * SIZE.1],
-                hidden: Field::Uniform(0.0),
-            })
+            .map(|depth| Screen { depth, z: depth, opaque: nothing(), hidden: Field::Uniform(0.0) })
             .to_vec();
+        let mut specked = screened.clone();
+        specked.relief.screens[1].opaque[8 * SIZE.0 + 12] = true;
         for model in Model::ALL {
             let optics = optics(model, &phase);
-            let [with, without] = [&screened, &scene].map(|s| s.fast(Filter::Composite, &optics));
-            let error = relative_l2(with, without);
+            let [open, speck, without] =
+                [&screened, &specked, &scene].map(|s| s.fast(Filter::Composite, &optics));
+            let error = relative_l2(open, without.clone());
             println!("{name}, {model}: {error:.1e}");
             assert!(error < 1e-6, "{name}, {model}: {error}");
+            assert!(relative_l2(speck, without) > 1e-3, "{name}, {model}: one opaque pixel must count");
         }
     }
 }
 
 fn disc(x: usize, y: usize, radius: f64) -> bool {
-    (x as f64 - 13.0).hypot(y as f64 - 9.0) < radius
+    (x as f64 - 12.0).hypot(y as f64 - 8.0) < radius
 }
 
 /// What may be missing of a light of 1: these scenes have two depths and mirrored borders, so that only f32 errs, and

@@ -16,7 +16,7 @@ pub const EMPTY: f64 = 0.0;
 /// of a pixel.
 pub const B: f64 = 4e-4;
 /// Size of the scenes of [`Scene::all`], px.
-pub const SIZE: (usize, usize) = (28, 20);
+pub const SIZE: (usize, usize) = (24, 16);
 
 /// A textured object behind parallel rays, its further layers and its relief.
 #[derive(Clone)]
@@ -98,12 +98,12 @@ impl Scene {
         vec![
             ("two half planes", of(&|x, _| half(x))),
             ("three nested depths", of(&nested)),
-            ("tilted plane before a flat one", of(&|x, y| if x + y / 4 < 15 { tilt(x) } else { 3.0 })),
+            ("tilted plane before a flat one", of(&|x, y| if x + y / 4 < 15 { tilt(y) } else { 3.0 })),
             (
                 "half planes, the far one goes on",
                 of(&|x, _| half(x)).before(|x, _| if x < 14 { 2.5 } else { EMPTY }),
             ),
-            ("tilted plane", of(&|x, y| tilt(x + y))),
+            ("tilted plane", of(&|x, _| tilt(x))),
         ]
     }
 }

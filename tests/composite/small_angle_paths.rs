@@ -2,17 +2,21 @@
 
 use crate::scenes::Scene;
 use narrowbeam::filter::{Filter, Optics};
-use narrowbeam::image::Image;
+use narrowbeam::image::{Border, Image};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::Gaussian;
 use narrowbeam::spread::Model;
 use narrowbeam::trace::Stream;
+use rayon::prelude::*;
 
-const WIDTH: usize = 160;
+const WIDTH: usize = 200;
 const HEIGHT: usize = 64;
 const PITCH: f64 = 0.02;
 /// Columns compared: far from the image's border, beyond which there is nothing.
-const SEEN: std::ops::Range<usize> = 60..100;
+const SEEN: std::ops::Range<usize> = 80..120;
+
+/// Depth at which paths that run along the plane for ever are given up.
+const LOST: f64 = 40.0;
 
 /// Stripes of two periods, the same on all rows.
 fn stripes(x: usize) -> f64 {
@@ -33,12 +37,12 @@ fn traced(x: usize, slope: f64, optics: &Optics, b: f64, paths: u64) -> (f64, f6
         let start = x as f64 + stream.uniform_f64();
         let (mut at, mut z, mut turn) = (start * PITCH, 0.0, 0.0);
         let direct = plane(slope, start);
+        let once = -(-sigma_s * direct).exp_m1();
         let mut scattered = false;
         let light = loop {
-            let u = stream.uniform_f64();
             // The first scattering comes before the plane for sure.
-            let share = if scattered { 1.0 } else { -(-sigma_s * direct).exp_m1() };
-            let step = -(-u * share).ln_1p() / sigma_s;
+            let share = if scattered { 1.0 } else { once };
+            let step = -(-share * stream.uniform_f64()).ln_1p() / sigma_s;
             let to_plane = (plane(slope, at / PITCH) - z) / (1.0 - turn * slope);
             if scattered && (0.0..step).contains(&to_plane) {
                 let pixel = ((at + turn * to_plane) / PITCH) as usize;
@@ -48,12 +52,14 @@ fn traced(x: usize, slope: f64, optics: &Optics, b: f64, paths: u64) -> (f64, f6
             at += turn * step;
             z += step;
             scattered = true;
+            if z > LOST {
+                break 0.0;
+            }
             let radius = (-2.0 * stream.uniform_f64().max(f64::MIN_POSITIVE).ln()).sqrt();
             turn += (2.0 * b).sqrt() * radius * (std::f64::consts::TAU * stream.uniform_f64()).cos();
         };
-        let light = -(-sigma_s * direct).exp_m1() * light;
-        sum += light;
-        squares += light * light;
+        sum += once * light;
+        squares += (once * light).powi(2);
     }
     let n = paths as f64;
     let direct = optics.medium.transmittance(plane(slope, x as f64 + 0.5)) * stripes(x);
@@ -79,8 +85,8 @@ fn on_a_tilted_plane_the_composite_filter_follows_the_paths_and_eq29_does_not() 
             Optics { model: Model::SmallAngle, medium: Medium::new(1.0, 0.1).unwrap(), phase: &phase };
         let mut scene = Scene::new((WIDTH, HEIGHT), PITCH, |x, _| plane(slope, x as f64 + 0.5));
         scene.radiance = Image::from_fn(WIDTH, HEIGHT, |x, _| stripes(x) as f32);
-        scene.border = narrowbeam::image::Border::Mirror;
-        let truth: Vec<_> = SEEN.map(|x| traced(x, slope, &optics, b, 60_000)).collect();
+        scene.border = Border::Mirror;
+        let truth: Vec<_> = SEEN.into_par_iter().map(|x| traced(x, slope, &optics, b, 500_000)).collect();
         let [composite, eq29] = [Filter::Composite, Filter::Eq29].map(|filter| {
             let image = scene.fast(filter, &optics);
             let row = &image[HEIGHT / 2 * WIDTH..][..WIDTH];

@@ -58,6 +58,17 @@ fn distance(
     Distance { chi2: chi2 / n, percent: 100.0 * ((square - noise) / n).max(0.0).sqrt() / (mean / n) }
 }
 
+/// One row that stands for all of them.
+fn rows_averaged(traced: &TracedImage) -> TracedImage {
+    let (width, height) = (traced.mean.width, traced.mean.height);
+    let average = |image: &Image, x: usize| (0..height).map(|y| image.at(x, y)).sum::<f32>() / height as f32;
+    TracedImage {
+        mean: Image::from_fn(width, 1, |x, _| average(&traced.mean, x)),
+        variance: Image::from_fn(width, 1, |x, _| average(&traced.variance, x) / height as f32),
+        paths: traced.paths,
+    }
+}
+
 #[test]
 fn two_half_planes_are_rendered_as_traced() {
     let (width, height) = (96, 64);
@@ -69,16 +80,22 @@ fn two_half_planes_are_rendered_as_traced() {
     let traced = trace(&scene, medium, &phase, view, 600);
     let hidden = hidden_share(&scene.target(Filter::Composite), &optics).unwrap();
     let images = [Filter::Composite, Filter::Eq29].map(|f| (f, scene.fast(f, &optics)));
-    println!("pixels                    filter      chi²/n   off, % of the mean");
-    let measured = ["all", "hidden share ≤ 1 %"].map(|which| {
+    println!("pixels              filter      chi²/n   off, % of the mean");
+    let measured = [("all", f32::INFINITY), ("hidden share ≤ 1 %", 0.01)].map(|(which, most)| {
         images.each_ref().map(|(filter, image)| {
-            let counts = |i: usize| which == "all" || hidden.data[i] <= 0.01;
-            let found = distance(image, &traced, (width, view), counts);
-            println!("{which:24}  {:9}  {:7.2}   {:.2}", filter.name(), found.chi2, found.percent);
+            let found = distance(image, &traced, (width, view), |i| hidden.data[i] <= most);
+            println!("{which:18}  {:9}  {:7.2}   {:.2}", filter.name(), found.chi2, found.percent);
             found
         })
     });
-    let _ = measured;
+    let [[composite, eq29], [composite_seen, eq29_seen]] = measured;
+    // What is left out is the correlation between a path's offset at the edge and the one behind it: up to 5 % on the
+    // six columns next to the edge, 1 % over all; with the 1 % by which small-angle theory itself is off at this
+    // tau·4B of .06 mostly in the dark, where light is hidden.
+    assert!(composite.percent < 1.0 && eq29.percent > 5.0 * composite.percent);
+    // Where little light is hidden nothing is left but noise: n = 4800, .02 for a standard deviation of chi²/n.
+    assert!((composite_seen.chi2 - 1.0).abs() < 0.1 && eq29_seen.chi2 > 5.0);
+    assert!(composite_seen.percent < 0.3 && eq29_seen.percent > 5.0 * composite_seen.percent);
 }
 
 #[test]
@@ -121,7 +138,8 @@ fn where_the_composite_filter_errs() {
             scene.border = Border::Mirror;
             scene.radiance = Image::from_fn(96, 8, |x, _| if x / 8 % 2 == 0 { 0.9 } else { 0.2 });
             let view = View { x: 24, y: 0, width: 48, height: 8 };
-            let traced = trace(&scene, medium, &phase, view, 10_000);
+            let traced = rows_averaged(&trace(&scene, medium, &phase, view, 20_000));
+            let view = View { height: 1, ..view };
             let [composite, eq29] = [Filter::Composite, Filter::Eq29]
                 .map(|f| distance(&scene.fast(f, &optics), &traced, (96, view), |_| true).percent);
             println!("{spread_deg:5}°   {tilt_deg:3}°   {composite:9.2}   {eq29:.2}");
