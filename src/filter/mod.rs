@@ -17,6 +17,7 @@
 mod bend;
 mod canvas;
 mod chebyshev;
+pub mod composite_sum;
 pub mod cpu;
 pub mod direct_sum;
 mod fft2;

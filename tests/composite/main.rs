@@ -1,0 +1,10 @@
+//! The composite filter: against its definition, against what must hold whatever the kernel, and against traced light.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod definition;
+mod invariants;
+mod relief;
+mod scenes;
+mod small_angle_paths;
+mod traced;
