@@ -136,7 +136,7 @@ fn where_the_composite_filter_errs() {
             let pitch = 2.0 / (slope * 96.0);
             let mut scene = Scene::new((96, 8), pitch, |x, _| 2.0 + slope * pitch * (x as f64 - 47.5));
             scene.border = Border::Mirror;
-            scene.radiance = Image::from_fn(96, 8, |x, _| if x / 8 % 2 == 0 { 0.9 } else { 0.2 });
+            scene.radiance = Image::from_fn(96, 8, |x, _| if (x / 8).is_multiple_of(2) { 0.9 } else { 0.2 });
             let view = View { x: 24, y: 0, width: 48, height: 8 };
             let traced = rows_averaged(&trace(&scene, medium, &phase, view, 20_000));
             let view = View { height: 1, ..view };
