@@ -20,7 +20,7 @@ const LOST: f64 = 40.0;
 
 /// Stripes of two periods, the same on all rows.
 fn stripes(x: usize) -> f64 {
-    0.2 + if x / 6 % 2 == 0 { 0.6 } else { 0.0 } + 0.2 * (0.4 * x as f64).sin()
+    0.2 + if (x / 6).is_multiple_of(2) { 0.6 } else { 0.0 } + 0.2 * (0.4 * x as f64).sin()
 }
 
 fn plane(slope: f64, x: f64) -> f64 {
@@ -76,23 +76,20 @@ fn off(image: &[f64], truth: &[(f64, f64)]) -> f64 {
 
 #[test]
 fn on_a_tilted_plane_the_composite_filter_follows_the_paths_and_eq29_does_not() {
-    println!("spread  tilt   composite   eq29   (% of the mean, noise taken off)");
-    for (spread_deg, tilt_deg, worst, least) in [(10.0, 40.0, 0.2, 1.0)] {
-        let slope = f64::to_radians(tilt_deg).tan();
-        let b = 0.25 * f64::to_radians(spread_deg).powi(2);
-        let phase = Gaussian::new(b).unwrap();
-        let optics =
-            Optics { model: Model::SmallAngle, medium: Medium::new(1.0, 0.1).unwrap(), phase: &phase };
-        let mut scene = Scene::new((WIDTH, HEIGHT), PITCH, |x, _| plane(slope, x as f64 + 0.5));
-        scene.radiance = Image::from_fn(WIDTH, HEIGHT, |x, _| stripes(x) as f32);
-        scene.border = Border::Mirror;
-        let truth: Vec<_> = SEEN.into_par_iter().map(|x| traced(x, slope, &optics, b, 500_000)).collect();
-        let [composite, eq29] = [Filter::Composite, Filter::Eq29].map(|filter| {
-            let image = scene.fast(filter, &optics);
-            let row = &image[HEIGHT / 2 * WIDTH..][..WIDTH];
-            off(&row[SEEN], &truth)
-        });
-        println!("{spread_deg:5}°  {tilt_deg:3}°   {composite:9.3}   {eq29:.3}");
-        assert!(composite < worst && eq29 > least, "{composite} {eq29}");
-    }
+    let slope = 40.0_f64.to_radians().tan();
+    let b = 0.25 * 10.0_f64.to_radians().powi(2);
+    let phase = Gaussian::new(b).unwrap();
+    let optics = Optics { model: Model::SmallAngle, medium: Medium::new(1.0, 0.1).unwrap(), phase: &phase };
+    let mut scene = Scene::new((WIDTH, HEIGHT), PITCH, |x, _| plane(slope, x as f64 + 0.5));
+    scene.radiance = Image::from_fn(WIDTH, HEIGHT, |x, _| stripes(x) as f32);
+    scene.border = Border::Mirror;
+    let truth: Vec<_> = SEEN.into_par_iter().map(|x| traced(x, slope, &optics, b, 500_000)).collect();
+    let [composite, eq29] = [Filter::Composite, Filter::Eq29].map(|filter| {
+        let image = scene.fast(filter, &optics);
+        let row = &image[HEIGHT / 2 * WIDTH..][..WIDTH];
+        off(&row[SEEN], &truth)
+    });
+    println!("off, % of the mean: composite {composite:.3}, eq29 {eq29:.3}");
+    // The noise taken off leaves .05 %.
+    assert!(composite < 0.2 && eq29 > 1.0, "{composite} {eq29}");
 }
