@@ -9,8 +9,10 @@ use narrowbeam::geometry::{Camera, Field, Geometry};
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Gaussian, b_of_spread_angle};
+use narrowbeam::scene::{MediumValues, Purpose, Scene, read_truth};
 use narrowbeam::spread::Model;
 use narrowbeam::trace::{ImageConfig, TracedImage, trace_image};
+use std::path::Path;
 
 const SIZE: (usize, usize) = (64, 48);
 
@@ -86,9 +88,9 @@ fn inner() -> impl Iterator<Item = usize> {
 }
 
 /// Mean squared difference over the tracer's noise, and in percent of the mean what is left of it without the noise.
-fn compare(image: &Image, traced: &TracedImage) -> (f64, f64) {
+fn compare(image: &Image, traced: &TracedImage, pixels: impl Iterator<Item = usize>) -> (f64, f64) {
     let (mut chi2, mut excess, mut level, mut count) = (0.0, 0.0, 0.0, 0.0);
-    for i in inner() {
+    for i in pixels {
         let difference = f64::from(image.data[i] - traced.mean.data[i]);
         let variance = f64::from(traced.variance.data[i]);
         chi2 += difference * difference / variance;
@@ -138,7 +140,8 @@ fn textured_walls_and_grounds_look_as_traced() {
     ] {
         let case = Case::new(geometry, texture(SIZE.0, SIZE.1), 0.05);
         let traced = case.trace(4000);
-        let [plain, composite] = [Filter::Eq29, Filter::Composite].map(|f| compare(&case.render(f), &traced));
+        let [plain, composite] =
+            [Filter::Eq29, Filter::Composite].map(|f| compare(&case.render(f), &traced, inner()));
         println!("{name:20} {:8.2} {:8.3} {:12.2} {:8.3}", plain.0, plain.1, composite.0, composite.1);
         assert!(composite.0 < most, "{name}: {composite:?}");
     }
@@ -149,5 +152,42 @@ fn the_comparison_rejects_another_field_of_view() {
     let case = Case::new(wall(40.0), texture(SIZE.0, SIZE.1), 0.05);
     let traced = case.trace(3000);
     let other = Case { geometry: wall(44.0), ..Case::new(wall(40.0), texture(SIZE.0, SIZE.1), 0.05) };
-    assert!(compare(&other.render(Filter::Eq29), &traced).0 > 2.0);
+    assert!(compare(&other.render(Filter::Eq29), &traced, inner()).0 > 2.0);
+}
+
+#[test]
+fn the_stage_looks_as_traced() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("datasets/mitsuba-stage");
+    let scene = Scene::read(&folder.join("scene.toml"), Purpose::Render).unwrap();
+    let MediumValues { sigma_s, sigma_a, b } = read_truth(&folder.join("truth.toml")).unwrap()[0];
+    let (medium, phase) = (Medium::new(sigma_s, sigma_a).unwrap(), Gaussian::new(b).unwrap());
+    let radiance = &scene.object[0].image;
+    let config = ImageConfig {
+        geometry: &scene.geometry,
+        radiance,
+        behind: &[],
+        border: scene.border,
+        view: scene.view,
+        medium,
+        samples: 256,
+        seed: 3,
+    };
+    let traced = trace_image(&config, &phase, &|_| ()).unwrap();
+    let [plain, composite] = [Filter::Eq29, Filter::Composite].map(|filter| {
+        let relief = filter.relief(&scene.geometry);
+        let target = Target {
+            radiance,
+            behind: &[],
+            geometry: &scene.geometry,
+            border: scene.border,
+            view: scene.view,
+            relief: relief.as_ref(),
+        };
+        let optics = Optics { model: Model::SmallAngle, medium, phase: &phase };
+        let image = CpuFilter::new(target, &optics, 1.0).unwrap().render(&optics).unwrap();
+        compare(&image, &traced, 0..scene.view.pixels())
+    });
+    println!("stage                {:8.2} {:8.3} {:12.2} {:8.3}", plain.0, plain.1, composite.0, composite.1);
+    // Two screens stand for all edges of the ball and the box: the bound is the error measured, and half as much again.
+    assert!(composite.1 < 0.8 && plain.1 > 3.0 * composite.1, "{composite:?}, eq29 {plain:?}");
 }
