@@ -36,9 +36,11 @@ pub(super) fn sheets(target: &Target) -> Vec<Sheet> {
         let mut layer = sheet(target, &relief.screens, distance, |i| (radiance.data[i], slope(i)));
         // A pixel behind another, with no screen between them, lies too close behind it to be seen.
         for (i, source) in layer.iter_mut().enumerate() {
-            let screened = |s: &Source| relief.screens[..s.screens].iter().any(|screen| screen.opaque[i]);
-            let covered = all.iter().any(|nearer| nearer[i].is_some());
-            *source = source.filter(|s| !covered || screened(s));
+            let Some(nearer) = all.iter().filter_map(|nearer| nearer[i]).map(|s| s.screens).max() else {
+                continue;
+            };
+            let between = |s: &Source| relief.screens.get(nearer..s.screens).unwrap_or_default();
+            *source = source.filter(|s| between(s).iter().any(|screen| screen.opaque[i]));
         }
         all.push(layer);
     }

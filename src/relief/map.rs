@@ -13,7 +13,7 @@ pub(super) struct DepthMap<'a> {
     /// Row-major; infinite where there is no object.
     pub depth: Vec<f64>,
     /// Least step that can be an edge, because of the noise.
-    least_step: f64,
+    pub least_step: f64,
 }
 
 impl<'a> DepthMap<'a> {

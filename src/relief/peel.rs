@@ -109,7 +109,10 @@ impl<'a> Front<'a> {
         let mut reached = vec![false; depth.len()];
         let mut queue = VecDeque::new();
         for i in (0..depth.len()).filter(|&i| depth[i] <= screen) {
-            let mut beyond = map.neighbours(i).into_iter().flatten().filter(|&j| depth[j] > screen);
+            // What is only supposed to be there says nothing.
+            let known =
+                |&j: &usize| depth[j] > screen && (depth[j].is_infinite() || self.layer[j] < self.maps.len());
+            let mut beyond = map.neighbours(i).into_iter().flatten().filter(known);
             if let Some(first) = beyond.next() {
                 let joined = |j: usize| !map.is_edge(depth[i], depth[j]);
                 across[i] = (!joined(first) && !beyond.any(joined)).then_some(depth[first]);

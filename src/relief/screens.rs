@@ -1,21 +1,31 @@
 //! Which depths serve as screens.
 //!
 //! Every edge between a near pixel at d and a far one at d' asks for a screen just behind d: there the light of the
-//! far one is stopped. One at d + f (d' - d) still serves, with an error that grows with f. So the edges are
-//! intervals, to be pierced by as few depths as possible; each screen lies at the farthest of the near pixels whose
-//! edges it serves. Edges count by their gap, and screens that serve next to nothing are left out: a screen farther
+//! far one is stopped. One farther back still serves, with an error that grows with the way: in the first half of the
+//! gap, and no farther behind the near pixel than a quarter of its own path length. So the edges are intervals, to be
+//! pierced by as few depths as possible; each screen lies at the farthest of the near pixels whose edges it serves,
+//! and behind their noise. Edges count by their gap, and screens that serve next to nothing are left out: a screen farther
 //! back in the gap serves their edges too.
 
 use super::map::DepthMap;
 
 /// Screens at most: each costs a round trip through image space.
 pub const MOST_SCREENS: usize = 6;
-/// Share of the gap behind a near pixel in which its screen may lie.
+/// Share of the gap behind a near pixel in which its screen may lie, and share of the near pixel's path length.
 const SHARE: f64 = 0.5;
+const NEARBY: f64 = 0.25;
 /// Gaps of less than this share of the path length behind them are left to eq. 29.
 const LEAST_GAP: f64 = 0.05;
 /// Share of all gaps that screens must serve.
 const SERVED: f64 = 0.99;
+
+/// Where a screen may stand that serves an edge, and the gap that it covers.
+#[derive(Debug, Clone, Copy)]
+struct Edge {
+    near: f64,
+    reach: f64,
+    gap: f64,
+}
 
 /// A depth that pierces some intervals.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,22 +37,23 @@ struct Piercing {
 
 /// Depths of the screens, increasing.
 pub(super) fn depths(maps: &[DepthMap]) -> Vec<f64> {
-    // Where a further layer ends it may go on as the object itself.
     let farthest = farthest(maps);
-    let counts = |layer: usize, [_, far]: [f64; 2]| layer == 0 || far.is_finite();
-    let mut edges: Vec<[f64; 2]> = (0..maps.len())
-        .flat_map(|layer| edges(&maps[layer]).filter(move |&edge| counts(layer, edge)))
-        .map(|[near, far]| [near, far.min(farthest)])
-        .filter(|[near, far]| far > near)
-        .collect();
-    edges.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let mut depths = pierced(&edges, SHARE);
-    let all: f64 = depths.iter().map(|d| d.gaps).sum();
+    let mut all: Vec<Edge> = Vec::new();
+    for (layer, map) in maps.iter().enumerate() {
+        // Where a further layer ends it may go on as the object itself.
+        all.extend(
+            edges(map, farthest).filter(|&(far, _)| layer == 0 || far.is_finite()).map(|(_, edge)| edge),
+        );
+    }
+    all.sort_by(|a, b| a.near.total_cmp(&b.near));
+    let behind_noise = maps.iter().map(|map| map.least_step).fold(0.0, f64::max);
+    let mut depths = pierced(&all, behind_noise);
+    let gaps: f64 = depths.iter().map(|d| d.gaps).sum();
     depths.sort_by(|a, b| b.gaps.total_cmp(&a.gaps));
     let mut served = 0.0;
     depths.truncate(MOST_SCREENS);
     depths.retain(|depth| {
-        let needed = served < SERVED * all;
+        let needed = served < SERVED * gaps;
         served += depth.gaps;
         needed
     });
@@ -55,35 +66,36 @@ fn farthest(maps: &[DepthMap]) -> f64 {
     there.fold(0.0, f64::max)
 }
 
-/// Near and far depth of every edge that matters; an edge to nothing may still cover other objects.
-fn edges<'a>(map: &'a DepthMap) -> impl Iterator<Item = [f64; 2]> + 'a {
+/// Every edge that matters, with its far depth; an edge to nothing may still cover other objects.
+fn edges<'a>(map: &'a DepthMap, farthest: f64) -> impl Iterator<Item = (f64, Edge)> + 'a {
     let pairs = (0..map.depth.len()).flat_map(|i| {
         [map.neighbours(i)[1], map.neighbours(i)[3]].into_iter().flatten().map(move |j| (i, j))
     });
     pairs.filter_map(move |(i, j)| {
         let (i, j) = if map.depth[i] <= map.depth[j] { (i, j) } else { (j, i) };
         let (near, far) = (map.depth[i], map.depth[j]);
-        let counts = near.is_finite() && map.is_edge(near, far);
-        let matters = far.is_infinite() || far - near > LEAST_GAP * map.path_length(i, far);
-        (counts && matters).then_some([near, far])
+        let gap = far.min(farthest) - near;
+        let counts =
+            near.is_finite() && map.is_edge(near, far) && gap > LEAST_GAP * map.path_length(i, near + gap);
+        let reach = near + (SHARE * gap).min(NEARBY * map.path_length(i, near));
+        counts.then_some((far, Edge { near, reach, gap }))
     })
 }
 
-/// The fewest depths that lie in the first `share` of all `edges`, which are sorted by their near ends.
-fn pierced(edges: &[[f64; 2]], share: f64) -> Vec<Piercing> {
+/// The fewest depths that lie within reach of all `edges`, which are sorted by their near ends; `behind_noise` farther
+/// back, if that is within reach too.
+fn pierced(edges: &[Edge], behind_noise: f64) -> Vec<Piercing> {
     let mut depths: Vec<Piercing> = Vec::new();
     let mut end = f64::NEG_INFINITY;
-    for &[near, far] in edges {
-        let gap = far - near;
-        let reach = near + share * gap;
+    for &Edge { near, reach, gap } in edges {
         match depths.last_mut() {
             Some(last) if near <= end => {
-                *last = Piercing { depth: near, gaps: last.gaps + gap };
                 end = end.min(reach);
+                *last = Piercing { depth: (near + behind_noise).min(end), gaps: last.gaps + gap };
             }
             _ => {
-                depths.push(Piercing { depth: near, gaps: gap });
                 end = reach;
+                depths.push(Piercing { depth: (near + behind_noise).min(end), gaps: gap });
             }
         }
     }
@@ -97,8 +109,14 @@ mod tests {
     #[test]
     fn few_depths_pierce_all_intervals_as_early_as_they_can() {
         let edges = [[1.0, 2.0], [1.0625, 3.0], [1.25, 2.0], [2.0, 3.0]];
-        let found = |share| pierced(&edges, share).iter().map(|d| (d.depth, d.gaps)).collect::<Vec<_>>();
-        assert_eq!(found(0.125), vec![(1.0625, 2.9375), (1.25, 0.75), (2.0, 1.0)]);
-        assert_eq!(found(0.5), vec![(1.25, 3.6875), (2.0, 1.0)]);
+        let found = |share: f64, noise: f64| {
+            let edge =
+                |&[near, far]: &[f64; 2]| Edge { near, reach: near + share * (far - near), gap: far - near };
+            let edges: Vec<Edge> = edges.iter().map(edge).collect();
+            pierced(&edges, noise).iter().map(|d| (d.depth, d.gaps)).collect::<Vec<_>>()
+        };
+        assert_eq!(found(0.125, 0.0), vec![(1.0625, 2.9375), (1.25, 0.75), (2.0, 1.0)]);
+        assert_eq!(found(0.5, 0.0), vec![(1.25, 3.6875), (2.0, 1.0)]);
+        assert_eq!(found(0.5, 0.125), vec![(1.375, 3.6875), (2.125, 1.0)]);
     }
 }

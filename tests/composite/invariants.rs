@@ -119,3 +119,31 @@ fn no_light_is_lost_where_a_layer_closes_the_gap() {
         assert!(worst < LIGHT && told < LIGHT && most > 0.05, "{model}: {worst} {told} {most}");
     }
 }
+
+#[test]
+fn no_light_is_gained_where_objects_stand_one_behind_another() {
+    // All paths end on radiance 1 at most. A screen far behind a small object would blur its shadow, not its light.
+    let phase = Gaussian::new(0.004).unwrap();
+    let optics = Optics { model: Model::SmallAngle, medium: Medium::new(1.2, 0.0).unwrap(), phase: &phase };
+    let plate = |x: usize, _: usize| x < 18;
+    for depth in [2.0, 2.2, 2.4] {
+        let front = |x: usize, y: usize| match (disc(x, y, 3.0), plate(x, y)) {
+            (true, _) => 1.0,
+            (_, true) => depth,
+            _ => 3.5,
+        };
+        let bare = Scene::new(SIZE, 0.05, front).white();
+        let plane =
+            || Scene::new(SIZE, 0.05, front).before(|x, y| if front(x, y) < 3.5 { 3.5 } else { EMPTY });
+        let behind_disc = |x: usize, y: usize| if disc(x, y, 3.0) { depth } else { EMPTY };
+        let both = Scene::new(SIZE, 0.05, front)
+            .before(behind_disc)
+            .before(|x, y| if front(x, y) < 3.5 { 3.5 } else { EMPTY });
+        for (name, scene) in [("bare", bare), ("plane", plane().white()), ("plate and plane", both.white())] {
+            let light = scene.fast(Filter::Composite, &optics);
+            let (low, high) = light.iter().fold((f64::MAX, 0.0_f64), |(l, h), &v| (l.min(v), h.max(v)));
+            println!("plate at {depth}, {name}: light {low:.4} to {high:.4}");
+            assert!(high < 1.0 + LIGHT, "plate at {depth}, {name}: {high}");
+        }
+    }
+}
