@@ -161,7 +161,12 @@ impl<'a> CpuFilter<'a> {
     fn evaluate(&self, optics: &Optics, count: usize) -> Result<Vec<Image>> {
         if optics.model == Model::BeerLambert {
             let mut planes = vec![vec![0.0; self.canvas.pixels()]; count];
-            self.segments.iter().for_each(|s| s.add_direct(&optics.medium, 0.0, &mut planes));
+            for segment in self.segments.iter().rev() {
+                segment.add_direct(&optics.medium, 0.0, &mut planes);
+                if let Some(gate) = &segment.screen {
+                    planes.iter_mut().for_each(|plane| gate.stop(plane));
+                }
+            }
             return Ok(self.view(&planes));
         }
         let mut sum: Option<Vec<Vec<f32>>> = None;

@@ -101,7 +101,8 @@ impl Segment {
         segment
     }
 
-    /// Adds the direct light of this segment, as it is at the path length `from` along the axis, and its derivatives to `planes`.
+    /// Adds the direct light of this segment, as it is at the path length `from` along the axis, and its derivatives
+    /// to `planes`.
     pub(super) fn add_direct(&self, medium: &Medium, from: f64, planes: &mut [Vec<f32>]) {
         let (mut last, mut transmittance) = (f64::NAN, 0.0);
         for d in &self.direct {
@@ -214,7 +215,7 @@ impl Segment {
     ) -> Carried {
         self.add_direct(medium, gate.node.z, &mut fields);
         let masked = fields.into_iter().map(|mut field| {
-            field.iter_mut().zip(&gate.open).for_each(|(v, open)| *v *= open);
+            gate.stop(&mut field);
             canvas.fft.forward(field)
         });
         Carried { node: gate.node, spectra: masked.collect() }
@@ -230,6 +231,11 @@ impl Gate {
             }
         }
         Self { node: Node { z: screen.z, pitch: target.geometry.pixel_pitch(screen.depth) }, open }
+    }
+
+    /// Takes away what meets the screen.
+    pub(super) fn stop(&self, field: &mut [f32]) {
+        field.iter_mut().zip(&self.open).for_each(|(v, open)| *v *= open);
     }
 }
 

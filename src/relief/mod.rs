@@ -18,10 +18,9 @@ mod map;
 mod peel;
 mod screens;
 
-use crate::geometry::{Field, Geometry};
+use crate::geometry::{Camera, Field, Geometry};
 use map::DepthMap;
 use peel::Front;
-pub use screens::MOST_SCREENS;
 
 /// Slope along x and y of the depth along the camera's axis at every pixel of a layer, length per pixel.
 pub type Slopes = Vec<[f32; 2]>;
@@ -52,7 +51,9 @@ impl Relief {
     /// The relief of `geometry`.
     pub fn new(geometry: &Geometry) -> Self {
         let fields = || std::iter::once(&geometry.depth).chain(&geometry.behind);
-        if fields().count() == 1 && matches!(geometry.depth, Field::Uniform(_)) {
+        let facing =
+            matches!((geometry.camera, &geometry.depth), (Camera::Orthographic { .. }, Field::Uniform(_)));
+        if facing && geometry.behind.is_empty() {
             return Self { slopes: vec![None], screens: Vec::new() };
         }
         let maps: Vec<DepthMap> = fields().map(|field| DepthMap::new(geometry, field)).collect();

@@ -10,7 +10,7 @@
 use super::map::DepthMap;
 
 /// Screens at most: each costs a round trip through image space.
-pub const MOST_SCREENS: usize = 6;
+const MOST_SCREENS: usize = 6;
 /// Share of the gap behind a near pixel in which its screen may lie, and share of the near pixel's path length.
 const SHARE: f64 = 0.5;
 const NEARBY: f64 = 0.25;

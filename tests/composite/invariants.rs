@@ -147,3 +147,21 @@ fn no_light_is_gained_where_objects_stand_one_behind_another() {
         }
     }
 }
+
+#[test]
+fn direct_light_alone_comes_from_the_nearest_surface() {
+    let phase = Gaussian::new(0.004).unwrap();
+    let optics = Optics { model: Model::BeerLambert, medium: Medium::new(1.0, 0.2).unwrap(), phase: &phase };
+    let front = |x: usize, y: usize| match (disc(x, y, 3.0), x < 6) {
+        (true, _) => 1.0,
+        (_, true) => 2.0,
+        _ => 3.5,
+    };
+    let scene =
+        Scene::new(SIZE, 0.05, front).before(|x, y| if front(x, y) < 3.5 { 3.5 } else { EMPTY }).white();
+    assert_eq!(scene.relief.screens.len(), 2);
+    for (i, light) in scene.fast(Filter::Composite, &optics).into_iter().enumerate() {
+        let want = (-1.2 * front(i % SIZE.0, i / SIZE.0)).exp();
+        assert!((light / want - 1.0).abs() < 1e-6, "pixel {i}: {light}, not {want}");
+    }
+}
