@@ -66,25 +66,34 @@ fn the_mean_planar_transform_is_the_mean_of_the_planar_transform() {
 }
 
 #[test]
-fn the_derivative_of_the_mean_planar_transform_is_its_difference() {
-    let check = |phase: &dyn PhaseFunction, q: f64, shape: f64, scale: f64, f: &dyn Fn(f64) -> f64| {
+fn derivatives_in_the_shape_are_differences() {
+    let check = |name: &str, q: f64, shape: f64, scale: f64, derivative: f64, f: &dyn Fn(f64) -> f64| {
         let step = 1e-4 * scale;
         let difference = (f(shape + step) - f(shape - step)) / (2.0 * step);
-        let derivative = phase.mean_planar_transform_derivative(q);
         // The central difference is off by step² times a third derivative, and by rounding over the step.
-        let tolerance = 1e-6 * derivative.abs() + 1e-15 / step;
-        assert!((difference - derivative).abs() < tolerance, "{phase:?} at {q}: {difference} {derivative}");
+        let tolerance = 1e-6 * derivative.abs() + 1e-8 * f(shape) / scale + 1e-15 / step;
+        assert!((difference - derivative).abs() < tolerance, "{name} at {q}: {difference} {derivative}");
+    };
+    let both = |phase: &dyn PhaseFunction, q: f64, shape: f64, scale: f64, of: &dyn Fn(f64) -> [f64; 2]| {
+        check("F", q, shape, scale, phase.mean_planar_transform_derivative(q), &|shape| of(shape)[0]);
+        check("Phat", q, shape, scale, phase.planar_transform_derivative(q), &|shape| of(shape)[1]);
     };
     for b in WIDTHS {
         for q in arguments(b.sqrt()) {
-            let f = |b: f64| Gaussian::new(b).unwrap().mean_planar_transform(q);
-            check(&Gaussian::new(b).unwrap(), q, b, b, &f);
+            let of = |b: f64| {
+                let phase = Gaussian::new(b).unwrap();
+                [phase.mean_planar_transform(q), phase.planar_transform(q)]
+            };
+            both(&Gaussian::new(b).unwrap(), q, b, b, &of);
         }
     }
     for g in MEAN_COSINES {
         for q in arguments(1.0 - g) {
-            let f = |g: f64| HenyeyGreenstein::new(g).unwrap().mean_planar_transform(q);
-            check(&HenyeyGreenstein::new(g).unwrap(), q, g, g.min(1.0 - g), &f);
+            let of = |g: f64| {
+                let phase = HenyeyGreenstein::new(g).unwrap();
+                [phase.mean_planar_transform(q), phase.planar_transform(q)]
+            };
+            both(&HenyeyGreenstein::new(g).unwrap(), q, g, g.min(1.0 - g), &of);
         }
     }
 }

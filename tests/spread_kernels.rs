@@ -204,3 +204,64 @@ fn an_opaque_medium_gives_finite_numbers() {
         }
     }
 }
+
+#[test]
+fn the_mean_slope_is_the_gradient_of_the_joint_characteristic_function() {
+    // ln of it is -sigma_t z + sigma_s ∫_0^z Phat(|k u + q|) du, here for q along k, by the trapezium rule.
+    let (medium, z) = (Medium::new(1.1, 0.2).unwrap(), 1.5);
+    let gaussian = Gaussian::new(0.006).unwrap();
+    let hg = HenyeyGreenstein::new(0.93).unwrap();
+    for phase in [&gaussian as &dyn PhaseFunction, &hg] {
+        let kernel = Model::SmallAngle.kernel(&medium, phase, z).unwrap();
+        for k in [0.3, 2.0, 9.0, 40.0] {
+            let joint = |q: f64| {
+                let panels = 200_000;
+                let at =
+                    |i: i32| phase.planar_transform((k * z * f64::from(i) / f64::from(panels) + q).abs());
+                let inner: f64 = (1..panels).map(at).sum();
+                let integral = z / f64::from(panels) * (inner + 0.5 * (at(0) + at(panels)));
+                (medium.sigma_s() * integral - medium.sigma_t() * z).exp()
+            };
+            // One-sided from 0 on, where Henyey-Greenstein's transform has no kink.
+            let step = 1e-4;
+            let slope = (-joint(2.0 * step) + 4.0 * joint(step) - 3.0 * joint(0.0)) / (2.0 * step);
+            let found = kernel.mean_slope(k, 0.0).value;
+            assert!(
+                (found - k * slope).abs() < 1e-4 * found.abs(),
+                "{phase:?} at {k}: {found} {}",
+                k * slope
+            );
+            // With nearness, the offset's share is taken off: E[r exp(ik·r)] = -i grad M.
+            let step = 1e-4 * k;
+            let change = (kernel.mtf(k + step).value - kernel.mtf(k - step).value) / (2.0 * step);
+            let near = kernel.mean_slope(k, 0.7).value;
+            let want = found - 0.7 / z * k * change;
+            assert!((near - want).abs() < 1e-6 * found.abs(), "{phase:?} at {k}: {near} {want}");
+        }
+    }
+}
+
+#[test]
+fn derivatives_of_the_mean_slope_match_central_differences() {
+    let (sigma_s, sigma_a, b, z) = (1.1, 0.2, 0.006, 1.5);
+    for model in Model::ALL {
+        for k in [0.3, 2.0, 9.0, 40.0] {
+            let at = |p: [f64; 3]| {
+                let phase = Gaussian::new(p[2]).unwrap();
+                model.kernel(&Medium::new(p[0], p[1]).unwrap(), &phase, z).unwrap().mean_slope(k, 0.4)
+            };
+            let p = [sigma_s, sigma_a, b];
+            for i in 0..3 {
+                let step = 1e-4 * p[i];
+                let shifted = |d: f64| {
+                    let mut q = p;
+                    q[i] += d;
+                    at(q).value
+                };
+                let difference = (shifted(step) - shifted(-step)) / (2.0 * step);
+                let off = (at(p).gradient[i] - difference).abs() * p[i];
+                assert!(off <= 1e-6 * (1.0 + at(p).value.abs()), "{model}, {k}, {i}: {off}");
+            }
+        }
+    }
+}
