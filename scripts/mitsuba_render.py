@@ -37,6 +37,17 @@ def set_variant(name):
     return name
 
 
+def parse_with_sampling(parser):
+    """Add --samples and --seed to `parser` and return the checked arguments."""
+    add = parser.add_argument
+    add("--samples", type=int, default=1024, help="paths per pixel, at least (%(default)s)")
+    add("--seed", type=int, default=0, help="(%(default)s)")
+    arguments = parser.parse_args()
+    if arguments.samples < 1 or arguments.seed < 0:
+        parser.error("--samples must be at least 1 and --seed at least 0")
+    return arguments
+
+
 def batch_sizes(samples, pixels):
     """Return how many batches of how many samples per pixel make at least `samples`."""
     batches = max(MIN_BATCHES, math.ceil(samples * pixels / PATHS_PER_BATCH))

@@ -12,7 +12,13 @@ import argparse
 import sys
 from pathlib import Path
 
-from mitsuba_render import provenance, relative_noise, render, set_variant  # before exr_io
+from mitsuba_render import (  # before exr_io
+    parse_with_sampling,
+    provenance,
+    relative_noise,
+    render,
+    set_variant,
+)
 from exr_io import write_exr
 from mitsuba_world import mitsuba_scene
 from scene_file import InputError, read_media, read_scene
@@ -36,13 +42,8 @@ def parse_arguments():
     add("scene", metavar="SCENE.toml")
     add("truth", metavar="TRUTH.toml", help="file with the [medium]")
     add("--output", required=True, metavar="FILE.exr")
-    add("--samples", type=int, default=1024, help="paths per pixel, at least (%(default)s)")
-    add("--seed", type=int, default=0, help="(%(default)s)")
     add("--variant", help="Mitsuba variant (llvm_ad_mono where LLVM works, else scalar_rgb)")
-    arguments = parser.parse_args()
-    if arguments.samples < 1 or arguments.seed < 0:
-        parser.error("--samples must be at least 1 and --seed at least 0")
-    return arguments
+    return parse_with_sampling(parser)
 
 
 def main():

@@ -12,7 +12,13 @@ import argparse
 import sys
 from pathlib import Path
 
-from mitsuba_render import provenance, relative_noise, render, set_variant  # before exr_io
+from mitsuba_render import (  # before exr_io
+    parse_with_sampling,
+    provenance,
+    relative_noise,
+    render,
+    set_variant,
+)
 import mitsuba as mi
 import numpy as np
 
@@ -153,12 +159,7 @@ def parse_arguments():
     add = parser.add_argument
     add("name", choices=STAGES)
     add("--output", required=True, metavar="FOLDER", type=Path)
-    add("--samples", type=int, default=1024, help="paths per pixel, at least (%(default)s)")
-    add("--seed", type=int, default=0, help="(%(default)s)")
-    arguments = parser.parse_args()
-    if arguments.samples < 1 or arguments.seed < 0:
-        parser.error("--samples must be at least 1 and --seed at least 0")
-    return arguments
+    return parse_with_sampling(parser)
 
 
 def main():

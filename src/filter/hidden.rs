@@ -3,6 +3,7 @@
 use super::cpu::CpuFilter;
 use super::{Optics, Target};
 use crate::error::Result;
+use crate::geometry::median;
 use crate::image::Image;
 use crate::spread::Model;
 
@@ -20,11 +21,9 @@ pub fn hidden_share(target: &Target, optics: &Optics) -> Result<Image> {
         return Ok(nothing);
     }
     let light = CpuFilter::of_hidden(*target, relief, optics)?.render(optics)?;
-    let mut lengths = geometry.path_lengths();
-    let middle = lengths.len() / 2;
-    let median = *lengths.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let typical = median(geometry.path_lengths());
     Ok(Image::from_fn(view.width, view.height, |x, y| {
-        let z = geometry.path_length(view.x + x, view.y + y).unwrap_or(median);
+        let z = geometry.path_length(view.x + x, view.y + y).unwrap_or(typical);
         let share = light.at(x, y) * (optics.medium.sigma_a() * z).exp() as f32;
         share.clamp(0.0, 1.0)
     }))

@@ -56,16 +56,10 @@ impl Slices {
         if nodes.iter().all(follows) {
             let mut distinct: Vec<f64> = nodes.iter().map(|n| n.z).collect();
             distinct.dedup();
-            let layout = if distinct.len() <= count[0] {
-                Layout::Exact(distinct)
-            } else {
-                Layout::Line(Chebyshev::new(count[0], first.z, last.z))
-            };
-            let nodes = match &layout {
-                Layout::Exact(z) | Layout::Line(Chebyshev { x: z }) => z,
-                Layout::Grid { .. } => unreachable!("the nodes lie on a line"),
-            };
-            let nodes = nodes.iter().map(|&z| Node { z, pitch: pitch(z) }).collect();
+            let exact = distinct.len() <= count[0];
+            let z = if exact { distinct } else { Chebyshev::new(count[0], first.z, last.z).x };
+            let nodes = z.iter().map(|&z| Node { z, pitch: pitch(z) }).collect();
+            let layout = if exact { Layout::Exact(z) } else { Layout::Line(Chebyshev { x: z }) };
             return Self { nodes, layout, samples };
         }
         let magnifications = || nodes.iter().map(|n| n.pitch / n.z);

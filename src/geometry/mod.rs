@@ -137,9 +137,7 @@ impl Geometry {
         let shown = |x, y| self.object_distance(x, y).map(|d| self.pixel_pitch(d * self.cos_off_axis(x, y)));
         let flat = matches!(self.camera, Camera::Orthographic { .. });
         let on: &[&Field] = if flat { &[] } else { &[&self.depth] };
-        let mut pitches = self.over_pixels(on, shown);
-        let middle = pitches.len() / 2;
-        *pitches.select_nth_unstable_by(middle, f64::total_cmp).1
+        median(self.over_pixels(on, shown))
     }
 
     /// `f` of every pixel where it is defined; of the first such alone if none of the fields that it depends `on`
@@ -197,4 +195,10 @@ impl Geometry {
         }
         Ok(())
     }
+}
+
+/// The upper median of `values`, of which there is at least one.
+pub(crate) fn median(mut values: Vec<f64>) -> f64 {
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }

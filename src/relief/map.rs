@@ -1,7 +1,7 @@
 //! A depth map as surfaces: its edges, its noise and its slopes.
 
 use super::Slopes;
-use crate::geometry::{EDGE_PITCHES, Field, Geometry};
+use crate::geometry::{EDGE_PITCHES, Field, Geometry, median};
 
 /// Steps of less than this many times the map's noise are no edges: 5.7 standard deviations of a step between two
 /// noisy pixels, one false edge in 10⁸.
@@ -79,7 +79,7 @@ impl<'a> DepthMap<'a> {
 /// Standard deviation of the noise of a depth map, from the median second difference along its rows: slopes do not
 /// count in it, edges hardly.
 fn noise(depth: &[f64], width: usize) -> f64 {
-    let mut bends: Vec<f64> = depth
+    let bends: Vec<f64> = depth
         .chunks(width)
         .flat_map(|row| row.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()))
         .filter(|bend| bend.is_finite())
@@ -87,9 +87,8 @@ fn noise(depth: &[f64], width: usize) -> f64 {
     if bends.is_empty() {
         return 0.0;
     }
-    let middle = bends.len() / 2;
     // The median of |x| is .6745 standard deviations of a normal x, and a second difference has variance 1 + 4 + 1.
-    bends.select_nth_unstable_by(middle, f64::total_cmp).1.to_owned() / (0.6745 * 6.0_f64.sqrt())
+    median(bends) / (0.6745 * 6.0_f64.sqrt())
 }
 
 #[cfg(test)]

@@ -18,7 +18,7 @@ mod map;
 mod peel;
 mod screens;
 
-use crate::geometry::{Camera, Field, Geometry};
+use crate::geometry::{Camera, Field, Geometry, median};
 use map::DepthMap;
 use peel::Front;
 
@@ -102,9 +102,4 @@ fn settle_path_lengths(screens: &mut [Screen], maps: &[DepthMap]) {
         }
         screen.z = screen.z.min(beyond);
     }
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
