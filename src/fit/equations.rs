@@ -4,7 +4,8 @@
 //! projection in Kaufman's form, 1975); what belongs to them is kept for their errors.
 
 use crate::image::Image;
-use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
+use nalgebra::{Matrix2, Matrix2x3, Matrix3, Matrix6, Vector2, Vector3, Vector6};
+use rayon::prelude::*;
 
 /// The values of gain and veil that fit best, and what is needed for their errors.
 #[derive(Debug, Clone, Copy)]
@@ -59,48 +60,62 @@ impl NormalEquations {
     }
 }
 
-/// Pixels summed together; the chunks are added in order, so that the result does not depend on the threads.
-pub(super) const CHUNK: usize = 8192;
-
-/// Sums over pixels of products of residual r, observation y, derivatives j and the linear terms (image, 1).
-#[derive(Default)]
-pub(super) struct Sums {
-    pub rr: f64,
-    pub yy: f64,
-    pub jr: Vector3<f64>,
-    pub jj: Matrix3<f64>,
-    pub lj: Matrix2x3<f64>,
+/// Sums over the pixels that count of the products of six images: a render m, its derivatives in sigma_s, sigma_a and B,
+/// the residual r = gain · m + veil - y at a reference exposure, and 1. All that a fit asks of a scene follows from
+/// them. Near the best exposure r is small, so nothing cancels.
+#[derive(Debug, Clone)]
+pub struct Products {
+    /// Gain and veil at which the residual was formed.
+    pub reference: Vector2<f64>,
+    /// Every image times every other.
+    pub sums: Matrix6<f64>,
 }
 
-impl Sums {
+/// Places in [`Products::sums`].
+pub(super) const RENDER: usize = 0;
+pub(super) const ONE: usize = 5;
+
+/// Pixels summed together; the chunks are added in order, so that the result does not depend on the threads.
+const CHUNK: usize = 8192;
+
+impl Products {
+    /// The sums over `pixels`, index and observed value, of `image` and its derivatives, which count as 0 if missing.
     pub(super) fn over(
         pixels: &[(u32, f32)],
         image: &Image,
-        gradient: &[Image; 3],
-        (exposure, scale): (Vector2<f64>, Vector3<f64>),
+        gradient: Option<&[Image; 3]>,
+        reference: Vector2<f64>,
     ) -> Self {
-        let mut sums = Self::default();
-        for &(i, y) in pixels {
-            let (i, y) = (i as usize, f64::from(y));
-            let m = f64::from(image.data[i]);
-            let r = exposure[0] * m + exposure[1] - y;
-            let j = Vector3::from_fn(|c, _| f64::from(gradient[c].data[i])).component_mul(&scale);
-            sums.rr += r * r;
-            sums.yy += y * y;
-            sums.jr += j * r;
-            sums.jj += j * j.transpose();
-            sums.lj += Vector2::new(m, 1.0) * j.transpose();
-        }
-        sums
+        let chunk = |pixels: &[(u32, f32)]| {
+            let mut sums = [[0.0; 6]; 6];
+            for &(i, y) in pixels {
+                let i = i as usize;
+                let m = f64::from(image.data[i]);
+                let [s, a, b] = gradient.map_or([0.0; 3], |g| [0, 1, 2].map(|c| f64::from(g[c].data[i])));
+                let all = [m, s, a, b, reference[0] * m + reference[1] - f64::from(y), 1.0];
+                for (row, left) in sums.iter_mut().zip(all) {
+                    row.iter_mut().zip(all).for_each(|(sum, right)| *sum += left * right);
+                }
+            }
+            Matrix6::from_fn(|i, j| sums[i][j])
+        };
+        let chunks: Vec<_> = pixels.par_chunks(CHUNK).map(chunk).collect();
+        Self { reference, sums: chunks.into_iter().sum() }
     }
 
-    pub(super) fn plus(self, other: Self) -> Self {
-        Self {
-            rr: self.rr + other.rr,
-            yy: self.yy + other.yy,
-            jr: self.jr + other.jr,
-            jj: self.jj + other.jj,
-            lj: self.lj + other.lj,
-        }
+    /// The product of two combinations of the six images.
+    pub(super) fn of(&self, a: &Vector6<f64>, b: &Vector6<f64>) -> f64 {
+        a.dot(&(self.sums * b))
+    }
+
+    /// The observation y as a combination of the six images.
+    pub(super) fn observation(&self) -> Vector6<f64> {
+        Vector6::new(self.reference[0], 0.0, 0.0, 0.0, -1.0, self.reference[1])
+    }
+
+    /// The residual at another `exposure` as a combination of the six images.
+    pub(super) fn residual(&self, exposure: &Vector2<f64>) -> Vector6<f64> {
+        let change = exposure - self.reference;
+        Vector6::new(change[0], 0.0, 0.0, 0.0, 1.0, change[1])
     }
 }

@@ -157,9 +157,9 @@ fn fit_from(
     let unknown_noise = data.iter().any(|d| d.noise.is_none());
     let mut iterations = 0;
     let mut round = 0;
+    let mut filters = plan(data, &parameters, settings.model)?;
     loop {
         round += 1;
-        let filters = plan(data, &parameters, settings.model)?;
         let outcome = solver::run(Problem::new(&filters, &observed, &parameters, settings), settings)?;
         iterations += outcome.iterations;
         evaluations += outcome.evaluations;
@@ -227,6 +227,9 @@ fn fit_from(
                 parameters,
             });
         }
+        if !served {
+            filters = plan(data, &parameters, settings.model)?;
+        }
     }
 }
 
@@ -259,7 +262,9 @@ impl<'a> Problem<'a> {
         with_optics(&parameters, self.settings.model, |optics| {
             let mut sum = NormalEquations::default();
             for (filter, observed) in self.filters.iter().zip(self.observed) {
-                sum.add(observed.compare(&filter.render_with_gradient(optics)?, scale));
+                let rendering = filter.render_with_gradient(optics)?;
+                let products = observed.products(&rendering.image, rendering.gradient.as_ref());
+                sum.add(observed.compare(&products, scale));
                 (self.settings.progress)();
             }
             finite(sum, &parameters)
@@ -272,7 +277,8 @@ impl<'a> Problem<'a> {
         with_optics(&parameters, self.settings.model, |optics| {
             let mut cost = 0.0;
             for (filter, observed) in self.filters.iter().zip(self.observed) {
-                cost += observed.cost(&filter.render(optics)?);
+                let products = observed.products(&filter.render(optics)?, None);
+                cost += observed.compare(&products, [0.0; 3]).cost;
                 (self.settings.progress)();
             }
             Ok(cost)

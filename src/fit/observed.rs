@@ -4,13 +4,11 @@
 //! a render best.
 
 use super::datum::{Datum, VeilTerm};
-use super::equations::{CHUNK, Linear, NormalEquations, Sums};
+use super::equations::{Linear, NormalEquations, ONE, Products, RENDER};
 use crate::error::{Error, Result};
-use crate::filter::cpu::Rendering;
 use crate::image::Image;
 use crate::scene::Gain;
-use nalgebra::{Matrix2, Vector2, Vector3};
-use rayon::prelude::*;
+use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3, Vector6};
 
 /// Relative error of a render: an observation without noise cannot be known better than that.
 const RENDER_ERROR: f64 = 1e-5;
@@ -93,40 +91,44 @@ impl<'a> Observed<'a> {
         self.pixels.len()
     }
 
-    /// Sums of m², m y, y², m and y over the pixels, of an image m and the observation y.
-    fn sums(&self, image: &Image) -> [f64; 5] {
-        let mut sums = [0.0; 5];
-        for &(i, y) in &self.pixels {
-            let (m, y) = (f64::from(image.data[i as usize]), f64::from(y));
-            sums = [sums[0] + m * m, sums[1] + m * y, sums[2] + y * y, sums[3] + m, sums[4] + y];
-        }
-        sums
+    /// Gain and veil as given, 1 and 0 where they are free.
+    fn given_exposure(&self) -> Vector2<f64> {
+        let Gain::Fixed(gain) = self.datum.gain else { return Vector2::new(1.0, 0.0) };
+        Vector2::new(gain, 0.0)
     }
 
-    /// Gain and veil that fit `image` best, given or by linear least squares, and the inverse normal matrix: NaN if
-    /// a flat image cannot tell the two apart.
-    fn expose(&self, image: &Image) -> (Vector2<f64>, Matrix2<f64>) {
-        let [mm, my, _, m, y] = self.sums(image);
-        let n = self.pixels.len() as f64;
+    /// What a fit needs of `image`, rendered with or without `gradient`.
+    pub(super) fn products(&self, image: &Image, gradient: Option<&[Image; 3]>) -> Products {
+        Products::over(&self.pixels, image, gradient, self.given_exposure())
+    }
+
+    /// Gain and veil that fit best, given or by linear least squares, and the inverse normal matrix: NaN if a flat
+    /// image cannot tell the two apart.
+    fn expose(&self, products: &Products) -> (Vector2<f64>, Matrix2<f64>) {
+        let at = |i, j| products.sums[(i, j)];
+        let (mm, m, n) = (at(RENDER, RENDER), at(RENDER, ONE), at(ONE, ONE));
         let w = 1.0 / (self.noise * self.noise);
-        let fixed_veil = 0.0;
+        let given = self.given_exposure();
+        // The residual at what is given, times the render and times 1.
+        let residual = products.sums * products.residual(&given);
+        let (rm, r) = (residual[RENDER], residual[ONE]);
         match (self.datum.gain, self.datum.veil) {
-            (Gain::Fixed(gain), VeilTerm::Free) => {
-                (Vector2::new(gain, (y - gain * m) / n), Matrix2::new(0.0, 0.0, 0.0, 1.0 / (n * w)))
+            (Gain::Fixed(_), VeilTerm::Free) => {
+                (given - Vector2::new(0.0, r / n), Matrix2::new(0.0, 0.0, 0.0, 1.0 / (n * w)))
             }
-            (Gain::Fixed(gain), _) => (Vector2::new(gain, fixed_veil), Matrix2::zeros()),
+            (Gain::Fixed(_), _) => (given, Matrix2::zeros()),
             (Gain::Free, VeilTerm::Free) => {
                 let variance = mm - m * m / n;
                 if variance <= FLAT * mm {
-                    return (Vector2::new(1.0, (y - m) / n), Matrix2::repeat(f64::NAN));
+                    return (given - Vector2::new(0.0, r / n), Matrix2::repeat(f64::NAN));
                 }
                 let inverse = Matrix2::new(n, -m, -m, mm) / (n * variance);
-                (inverse * Vector2::new(my, y), inverse / w)
+                (given - inverse * Vector2::new(rm, r), inverse / w)
             }
             (Gain::Free, _) if mm > 0.0 => {
-                (Vector2::new(my / mm, fixed_veil), Matrix2::new(1.0 / (mm * w), 0.0, 0.0, 0.0))
+                (given - Vector2::new(rm / mm, 0.0), Matrix2::new(1.0 / (mm * w), 0.0, 0.0, 0.0))
             }
-            (Gain::Free, _) => (Vector2::new(1.0, fixed_veil), Matrix2::zeros()),
+            (Gain::Free, _) => (given, Matrix2::zeros()),
         }
     }
 
@@ -158,47 +160,35 @@ impl<'a> Observed<'a> {
         variance.sqrt().max(RENDER_ERROR * level.sqrt()).max(1e-30)
     }
 
-    /// ½ chi² of a rendered image.
-    pub(super) fn cost(&self, image: &Image) -> f64 {
-        let (exposure, _) = self.expose(image);
-        let residual = |&(i, y): &(u32, f32)| {
-            let r = exposure[0] * f64::from(image.data[i as usize]) + exposure[1] - f64::from(y);
-            r * r
-        };
-        0.5 * self.pixels.iter().map(residual).sum::<f64>() / (self.noise * self.noise)
-    }
-
-    /// The sums of m², m y and y² over noise², of an image m and the observation y; a free veil is taken off both.
-    pub(super) fn products(&self, image: &Image) -> [f64; 3] {
-        let [mm, my, yy, m, y] = self.sums(image);
-        let n =
-            if matches!(self.datum.veil, VeilTerm::Free) { self.pixels.len() as f64 } else { f64::INFINITY };
+    /// The sums of m², m y and y² over noise², of the render m and the observation y; a free veil is taken off both.
+    pub(super) fn levels(&self, products: &Products) -> [f64; 3] {
+        let (render, one, y) = (Vector6::ith(RENDER, 1.0), Vector6::ith(ONE, 1.0), products.observation());
+        let n = if matches!(self.datum.veil, VeilTerm::Free) { self.pixels() as f64 } else { f64::INFINITY };
         let w = 1.0 / (self.noise * self.noise);
-        [(mm - m * m / n) * w, (my - m * y / n) * w, (yy - y * y / n) * w]
+        let spread = |a, b| (products.of(a, b) - products.of(a, &one) * products.of(b, &one) / n) * w;
+        [spread(&render, &render), spread(&render, &y), spread(&y, &y)]
     }
 
-    /// Normal equations of a rendering; `chain` is d value / d coordinate of each parameter.
-    pub(super) fn compare(&self, rendering: &Rendering, chain: [f64; 3]) -> NormalEquations {
-        let image = &rendering.image;
-        let gradient = rendering.gradient.as_ref().expect("rendered with derivatives");
-        let (exposure, inverse) = self.expose(image);
+    /// Normal equations of what was rendered; `chain` is d value / d coordinate of each parameter.
+    pub(super) fn compare(&self, products: &Products, chain: [f64; 3]) -> NormalEquations {
+        let (exposure, inverse) = self.expose(products);
+        let residual = products.sums * products.residual(&exposure);
+        let rr = products.residual(&exposure).dot(&residual);
         let scale = Vector3::from(chain) * exposure[0];
-        let Sums { rr, yy, jr, jj, lj } = self
-            .pixels
-            .par_chunks(CHUNK)
-            .map(|pixels| Sums::over(pixels, image, gradient, (exposure, scale)))
-            .collect::<Vec<_>>()
-            .into_iter()
-            .fold(Sums::default(), Sums::plus);
+        let derivatives = products.sums.columns(1, 3) * Matrix3::from_diagonal(&scale);
+        let jr = residual.fixed_rows::<3>(1).component_mul(&scale);
+        let jj = Matrix3::from_diagonal(&scale) * derivatives.fixed_rows::<3>(1);
+        let lj = Matrix2x3::from_rows(&[derivatives.row(RENDER), derivatives.row(ONE)]);
         let w = 1.0 / (self.noise * self.noise);
         let told_apart = inverse.iter().all(|v| v.is_finite());
         let projection = if told_apart { inverse } else { Matrix2::zeros() };
         let coupling = -projection * lj * w;
+        let y = products.observation();
         // The residual is already orthogonal to free gain and veil, so the gradient needs no correction.
         NormalEquations {
             cost: 0.5 * rr * w,
-            pixels: self.pixels.len(),
-            signal: yy * w,
+            pixels: self.pixels(),
+            signal: products.of(&y, &y) * w,
             gradient: jr * w,
             matrix: jj * w - lj.transpose() * projection * lj * (w * w),
             diagonal: jj.diagonal() * w,

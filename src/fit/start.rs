@@ -65,7 +65,7 @@ pub(super) fn choose(
             let mut level = Level::default();
             for ((filter, observed), datum) in filters.iter().zip(observed).zip(data) {
                 let image = with_optics(&trial, model, |optics| filter.render(optics))?;
-                level.add(observed.products(&image), datum.gain);
+                level.add(observed.levels(&observed.products(&image, None)), datum.gain);
                 renders += 1;
                 (settings.progress)();
             }
