@@ -106,6 +106,15 @@ pub enum Error {
     /// Input that is well formed but holds nothing that a fit could use.
     #[error("nothing to fit: {0}")]
     NothingToFit(String),
+    /// A machine without the graphics adapter that was asked for.
+    #[error(
+        "--backend gpu: this machine has no graphics adapter with Vulkan, Metal or Direct3D 12; install its driver (a \
+         software one is Mesa's: package mesa-vulkan-drivers), or use --backend cpu"
+    )]
+    NoAdapter,
+    /// A graphics adapter that failed, or cannot do what is asked.
+    #[error("{0}")]
+    Gpu(String),
     /// A computation that produced a number that is not finite.
     #[error("{0}")]
     NotFinite(String),
@@ -119,7 +128,7 @@ impl Error {
     pub fn is_usage(&self) -> bool {
         match self {
             Error::Write { source, .. } => source.kind() != std::io::ErrorKind::StorageFull,
-            Error::NotFinite(_) => false,
+            Error::NotFinite(_) | Error::Gpu(_) => false,
             _ => true,
         }
     }

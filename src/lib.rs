@@ -89,6 +89,7 @@ pub mod error;
 pub mod filter;
 pub mod fit;
 pub mod geometry;
+pub mod gpu;
 pub mod image;
 pub mod io;
 pub mod medium;

@@ -3,8 +3,8 @@
 use super::options::{Backend, MediumOptions, parse_backend, parse_model, provenance};
 use super::progress::Progress;
 use crate::error::Error;
-use crate::filter::cpu::{CUT, CpuFilter};
-use crate::filter::{Filter, Optics, Target, hidden_share};
+use crate::filter::cpu::CpuFilter;
+use crate::filter::{CUT, Filter, Optics, Target, hidden_share};
 use crate::image::Channel;
 use crate::io::{atomic, exr};
 use crate::medium::Medium;

@@ -9,7 +9,7 @@ use rustfft::num_complex::Complex;
 use std::f64::consts::PI;
 
 /// Padding stops at this size of the padded image, or at two image sides if that is more, which bounds memory; what
-/// a kernel throws farther comes back on the other side, see [`Coverage::cut`](super::cpu::Coverage).
+/// a kernel throws farther comes back on the other side, see [`Coverage::cut`](super::Coverage).
 const MOST_PADDED_PX: usize = 4096;
 
 /// Transposed half spectrum of a real image.
@@ -20,9 +20,9 @@ pub(super) struct Canvas {
     pub fft: Fft2<f32>,
     /// What the transfer functions need along each axis.
     pub axes: [Axis; 2],
-    border: Border,
-    padded: [Padded; 2],
-    object: [usize; 2],
+    pub border: Border,
+    pub padded: [Padded; 2],
+    pub object: [usize; 2],
 }
 
 /// A pixel of the canvas and the object pixel that it shows.

@@ -20,6 +20,12 @@ impl Chebyshev {
         Self { x: (0..n).map(node).collect() }
     }
 
+    /// Where `x` lies on [-1, 1], from the first node to the last; 0 if there is but one.
+    pub fn place(&self, x: f64) -> f64 {
+        let (first, last) = (self.x[0], self.x[self.x.len() - 1]);
+        if first == last { 0.0 } else { (2.0 * x - first - last) / (last - first) }
+    }
+
     /// Weight of each node's value in the interpolant at `x`; they add up to 1.
     pub fn basis(&self, x: f64) -> Vec<f64> {
         let last = self.x.len() - 1;

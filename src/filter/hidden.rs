@@ -1,6 +1,7 @@
 //! How much of each pixel's light may come from where no image shows anything.
 
 use super::cpu::CpuFilter;
+use super::plan::Plan;
 use super::{Optics, Target};
 use crate::error::Result;
 use crate::geometry::median;
@@ -20,7 +21,7 @@ pub fn hidden_share(target: &Target, optics: &Optics) -> Result<Image> {
     if optics.model == Model::BeerLambert {
         return Ok(nothing);
     }
-    let light = CpuFilter::of_hidden(*target, relief, optics)?.render(optics)?;
+    let light = CpuFilter::of(Plan::of_hidden(*target, relief, optics)?).render(optics)?;
     let typical = median(geometry.path_lengths());
     Ok(Image::from_fn(view.width, view.height, |x, y| {
         let z = geometry.path_length(view.x + x, view.y + y).unwrap_or(typical);

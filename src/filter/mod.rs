@@ -22,9 +22,11 @@ pub mod cpu;
 pub mod direct_sum;
 mod fft2;
 pub mod footprint;
+pub mod gpu;
 mod hidden;
 mod obliquity;
 pub mod per_depth;
+mod plan;
 mod segment;
 pub mod slices;
 mod sources;
@@ -33,6 +35,7 @@ mod transfer;
 mod unit_cells;
 
 pub use hidden::hidden_share;
+pub use plan::{CUT, Coverage};
 
 use crate::error::{Error, Result};
 use crate::geometry::Geometry;

@@ -5,7 +5,8 @@ use super::canvas::{Canvas, Spectrum};
 use super::obliquity::Obliquity;
 use super::slices::{Node, Slices};
 use super::sources::{Sheet, Source};
-use super::transfer::{Divisor, Frequency, Slope, Transfer, Unit, Wave, over, times};
+use super::plan::Plan;
+use super::transfer::{Frequency, Wave, Way, over, times};
 use super::{Optics, Target};
 use crate::error::Result;
 use crate::medium::Medium;
@@ -51,14 +52,15 @@ pub(super) struct Carried {
 }
 
 impl Segment {
-    /// The part of `sheets` that must pass `passed` screens, the last of them `screen`.
+    /// The part of `sheets` that must pass `passed` screens.
     pub(super) fn new(
-        (target, canvas): (&Target, &Canvas),
+        (plan, canvas): (&Plan, &Canvas),
         sheets: &[Sheet],
         passed: usize,
-        screen: Option<&Screen>,
         slices: Option<Slices>,
     ) -> Self {
+        let target = &plan.target;
+        let screen = passed.checked_sub(1).map(|i| &plan.screens()[i]);
         let mine =
             |of: usize| sheets.iter().filter_map(move |sheet| sheet[of].filter(|s| s.screens == passed));
         let mut segment = Self {
@@ -127,20 +129,14 @@ impl Segment {
         carried: Option<&Carried>,
         components: &[usize],
     ) -> Result<Vec<Spectrum>> {
-        let screen = self.screen.as_ref().map(|gate| obliquity.tilt(gate.node));
-        let unit = Unit::new(screen, optics)?;
-        let divisor = screen.map(|node| Divisor::new(node, optics, &unit)).transpose()?;
-        let nodes = self.slices.as_ref().map_or(&[][..], |s| &s.nodes);
         let sloping = !self.bend.is_empty();
-        let slope = |node: &Node| Slope {
-            nearness: (self.divergence * node.z / node.pitch).min(1.0),
-            steepness: 1.0 / obliquity.cosine,
-        };
-        let transfer =
-            |node: &Node| Transfer::new(obliquity.tilt(*node), sloping.then(|| slope(node)), optics, &unit);
-        let transfers = nodes.par_iter().map(transfer).collect::<Result<Vec<_>>>()?;
-        let farther =
-            carried.map(|c| Transfer::new(obliquity.tilt(c.node), None, optics, &unit)).transpose()?;
+        let Way { transfers, farther, divisor } = Way::new(
+            self.slices.as_ref().map_or(&[][..], |s| &s.nodes),
+            sloping.then_some(self.divergence),
+            carried.map(|c| c.node),
+            self.screen.as_ref().map(|gate| gate.node),
+            (optics, obliquity),
+        )?;
 
         let (half, height) = (canvas.fft.half_width(), canvas.fft.height);
         let mut sums = vec![vec![Complex::new(0.0, 0.0); half * height]; components.len()];

@@ -87,6 +87,36 @@ impl Slices {
         }
     }
 
+    /// Number of slices along z and along the magnification, and whether each stands for its own z alone.
+    pub fn counts(&self) -> ([usize; 2], bool) {
+        match &self.layout {
+            Layout::Exact(depths) => ([depths.len(), 1], true),
+            Layout::Line(line) => ([line.x.len(), 1], false),
+            Layout::Grid { z, magnification } => ([z.x.len(), magnification.x.len()], false),
+        }
+    }
+
+    /// Where `at` lies along z and along the magnification: the number of its slice if slices stand for their own z
+    /// alone, else in [-1, 1] from the first slice to the last.
+    pub fn place(&self, at: Node) -> [f64; 2] {
+        match &self.layout {
+            Layout::Exact(depths) => [depths.partition_point(|&z| z < at.z) as f64, 0.0],
+            Layout::Line(line) => [line.place(at.z), 0.0],
+            Layout::Grid { z, magnification } => [z.place(at.z), magnification.place(at.pitch / at.z)],
+        }
+    }
+
+    /// Where the slices lie along z, then along the magnification, in the terms of [`place`](Self::place).
+    pub fn node_places(&self) -> Vec<f32> {
+        let places = |line: &Chebyshev| line.x.iter().map(|&x| line.place(x) as f32).collect::<Vec<_>>();
+        let one = |line: &Chebyshev| [places(line), vec![0.0]].concat();
+        match &self.layout {
+            Layout::Exact(depths) => (0..=depths.len()).map(|i| i as f32).collect(),
+            Layout::Line(line) => one(line),
+            Layout::Grid { z, magnification } => [places(z), places(magnification)].concat(),
+        }
+    }
+
     /// Largest error of the interpolated transfer functions over sample pixels and frequencies, relative to the
     /// scattered light.
     ///

@@ -59,6 +59,11 @@ impl AliasTable {
         AliasLine { line }
     }
 
+    /// The values at the nodes, [node of wx][node of wy].
+    pub fn values(&self) -> &[[Lanes; NODES]; NODES] {
+        &self.values
+    }
+
     /// Basis values at the frequencies 2 pi i / `n`, i = 0..=n/2.
     pub fn basis(n: usize) -> Vec<Basis> {
         let nodes = Chebyshev::new(NODES, 0.0, PI);
@@ -114,6 +119,16 @@ impl RadialTable {
         let per_w = count / end;
         let entry = |i: i64| lanes(&f(i.abs() as f64 / per_w));
         Self { per_w, values: (-1..=count as i64 + 2).map(entry).collect() }
+    }
+
+    /// Entries per rad/px.
+    pub fn per_w(&self) -> f64 {
+        self.per_w
+    }
+
+    /// The entries, the first of which lies one step before 0.
+    pub fn values(&self) -> &[Lanes] {
+        &self.values
     }
 
     /// f at |w| = `w` rad/px.

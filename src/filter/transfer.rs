@@ -12,10 +12,12 @@
 //! [`footprint`]: super::footprint
 
 use super::Optics;
+use super::obliquity::Obliquity;
 use super::slices::Node;
 use super::tables::{AliasLine, AliasTable, Basis, Lanes, RadialTable, lanes};
 use crate::error::Result;
 use crate::spread::{Dual, SpreadKernel};
+use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 
 /// A complex amplitude and its derivatives in sigma_s, sigma_a, B.
@@ -76,13 +78,13 @@ pub(super) struct Slope {
 
 /// Tables of one slice's transfer function, in units of M.
 pub(super) struct Transfer {
-    baseband: RadialTable,
-    bend: Option<RadialTable>,
-    aliases: AliasTable,
+    pub baseband: RadialTable,
+    pub bend: Option<RadialTable>,
+    pub aliases: AliasTable,
     /// T_i/T_k: the share of the screen's direct light that is this slice's.
     pub direct: Lanes,
     /// T_i in units of the scale.
-    unscattered: Lanes,
+    pub unscattered: Lanes,
 }
 
 impl Transfer {
@@ -126,6 +128,44 @@ impl Transfer {
     }
 }
 
+/// Tables of all that a segment's light is multiplied with on its way to its screen, or to the camera.
+pub(super) struct Way {
+    /// Of its slices.
+    pub transfers: Vec<Transfer>,
+    /// Of what is carried to it from a farther screen.
+    pub farther: Option<Transfer>,
+    pub divisor: Option<Divisor>,
+}
+
+impl Way {
+    /// The way from `slices` and the `farther` screen to the nearer `screen`. If the slices slope, `divergence` is the
+    /// length of a pixel per unit of depth.
+    pub(super) fn new(
+        slices: &[Node],
+        divergence: Option<f64>,
+        farther: Option<Node>,
+        screen: Option<Node>,
+        (optics, obliquity): (&Optics, Obliquity),
+    ) -> Result<Self> {
+        let screen = screen.map(|node| obliquity.tilt(node));
+        let unit = Unit::new(screen, optics)?;
+        let slope = |node: &Node| {
+            divergence.map(|divergence| Slope {
+                nearness: (divergence * node.z / node.pitch).min(1.0),
+                steepness: 1.0 / obliquity.cosine,
+            })
+        };
+        let transfer = |node: &Node| Transfer::new(obliquity.tilt(*node), slope(node), optics, &unit);
+        Ok(Self {
+            transfers: slices.par_iter().map(transfer).collect::<Result<_>>()?,
+            farther: farther
+                .map(|node| Transfer::new(obliquity.tilt(node), None, optics, &unit))
+                .transpose()?,
+            divisor: screen.map(|node| Divisor::new(node, optics, &unit)).transpose()?,
+        })
+    }
+}
+
 /// A frequency, and what all slices need there.
 pub(super) struct Frequency<'a> {
     /// |w|, rad/px.
@@ -140,8 +180,8 @@ pub(super) struct Frequency<'a> {
 
 /// Tables of the divisor: the screen's own transfer function, and the scale, in units of M.
 pub(super) struct Divisor {
-    own: Transfer,
-    scale: RadialTable,
+    pub own: Transfer,
+    pub scale: RadialTable,
 }
 
 impl Divisor {

@@ -3,7 +3,7 @@
 use super::uncertainty::{Status, Z95};
 use super::{ChannelFit, MISFIT, NAMES, Settings};
 use crate::filter::Filter;
-use crate::filter::cpu::CUT;
+use crate::filter::CUT;
 use crate::medium::Medium;
 use crate::phase::{Gaussian, PhaseFunction};
 use crate::spread::{Model, SMALL_ANGLE_LIMIT, small_angle_error};

@@ -1,0 +1,85 @@
+//! Transfer functions as the stage `gather` reads them.
+
+use super::super::canvas::Canvas;
+use super::super::tables::{Lanes, RadialTable};
+use super::super::transfer::{Transfer, Way};
+use bytemuck::{Pod, Zeroable};
+
+/// Counterpart of `Record` in shaders/gather.wgsl: where one slice's tables are.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub struct Record {
+    /// Where the radial table begins, and its entries per rad/px.
+    pub baseband: u32,
+    /// Entries per rad/px.
+    pub per_w: f32,
+    /// The same of the slope term.
+    pub bend: u32,
+    /// Entries per rad/px.
+    pub bend_per_w: f32,
+    /// Where the aliases begin.
+    pub aliases: u32,
+    /// Fills the structure up.
+    pub padding: [u32; 3],
+    /// Share of the screen's direct light that is this slice's.
+    pub direct: Lanes,
+    /// Direct light in units of the scale.
+    pub unscattered: Lanes,
+}
+
+/// All records and tables of one gathering.
+pub(super) struct Tables {
+    /// Of the slices, of the light from farther screens, of the divisor.
+    pub records: Vec<Record>,
+    pub entries: Vec<Lanes>,
+    /// Where the table of the divisor's scale begins, and its entries per rad/px.
+    pub scale: (u32, f32),
+}
+
+impl Tables {
+    pub(super) fn new(way: &Way) -> Self {
+        let mut tables = Self { records: Vec::new(), entries: Vec::new(), scale: (0, 0.0) };
+        let own = way.divisor.as_ref().map(|d| &d.own);
+        for transfer in way.transfers.iter().chain(&way.farther).chain(own) {
+            tables.add(transfer);
+        }
+        if let Some(divisor) = &way.divisor {
+            tables.scale = tables.append(&divisor.scale);
+        }
+        tables
+    }
+
+    fn add(&mut self, transfer: &Transfer) {
+        let (baseband, per_w) = self.append(&transfer.baseband);
+        let (bend, bend_per_w) = transfer.bend.as_ref().map_or((0, 0.0), |table| self.append(table));
+        let aliases = self.entries.len() as u32;
+        self.entries.extend(transfer.aliases.values().as_flattened());
+        self.records.push(Record {
+            baseband,
+            per_w,
+            bend,
+            bend_per_w,
+            aliases,
+            padding: [0; 3],
+            direct: transfer.direct,
+            unscattered: transfer.unscattered,
+        });
+    }
+
+    fn append(&mut self, table: &RadialTable) -> (u32, f32) {
+        let begin = self.entries.len() as u32;
+        self.entries.extend_from_slice(table.values());
+        (begin, table.per_w() as f32)
+    }
+}
+
+/// For each frequency across, then down: (w, sinc², -, -) and the 8 basis values of the aliases.
+pub(super) fn axes(canvas: &Canvas) -> Vec<Lanes> {
+    let frequency = |(&w, (&sinc2, b)): (&f64, (&f32, &[f32; 8]))| {
+        [[w as f32, sinc2, 0.0, 0.0], [b[0], b[1], b[2], b[3]], [b[4], b[5], b[6], b[7]]]
+    };
+    let axis = |axis: &super::super::canvas::Axis| -> Vec<Lanes> {
+        axis.w.iter().zip(axis.sinc2.iter().zip(&axis.basis)).flat_map(frequency).collect()
+    };
+    canvas.axes.iter().flat_map(axis).collect()
+}

@@ -1,0 +1,137 @@
+//! What every backend prepares itself from: a target cut into slices, and how far its image must be padded.
+
+use super::canvas::most_reach;
+use super::obliquity::Obliquities;
+use super::slices::{Node, Slices};
+use super::sources::{Sheet, hidden_sheets, sheets};
+use super::{Optics, Target};
+use crate::error::Result;
+use crate::image::Border;
+use crate::relief::{Relief, Screen};
+
+/// How far a plan serves some kernels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Coverage {
+    /// Whether its slices suffice, and its padding as far as any would.
+    pub served: bool,
+    /// Whether the kernels reach beyond the most padding there is, so that light that should leave the image comes
+    /// back on its other side.
+    pub cut: bool,
+}
+
+/// Share of a kernel's light that may fall beyond the padding.
+const OUTSIDE: f64 = 1e-5;
+/// Largest error of the slices' transfer functions, as a share of the scattered light.
+const SLICE_TOLERANCE: f64 = 1e-4;
+/// What to tell a user of [`Coverage::cut`].
+pub const CUT: &str = "the kernel reaches beyond the most padding there is: light that should leave the image comes \
+                       back on its other side; use fewer pixels for the same scene, or a mirrored border";
+
+/// A target cut into slices.
+pub(super) struct Plan<'a> {
+    pub target: Target<'a>,
+    /// Farthest reach of a kernel that the padding must serve, px.
+    pub reach_px: f64,
+    pub obliquities: Obliquities,
+    /// Of what lies before the first screen and behind each; none where nothing does.
+    pub slices: Vec<Option<Slices>>,
+}
+
+impl<'a> Plan<'a> {
+    /// The plan of `target` for kernels up to as wide as those of `optics`, times `headroom`, and its sources.
+    pub(super) fn new(target: Target<'a>, optics: &Optics, headroom: f64) -> Result<(Self, Vec<Sheet>)> {
+        Self::of_sheets(target, sheets(&target), optics, headroom)
+    }
+
+    /// The same for light of radiance 1 from whatever is supposed, but not known, to lie behind the screens of
+    /// `relief`, which the target has: what renders is the share of hidden light.
+    pub(super) fn of_hidden(
+        target: Target<'a>,
+        relief: &Relief,
+        optics: &Optics,
+    ) -> Result<(Self, Vec<Sheet>)> {
+        Self::of_sheets(target, hidden_sheets(&target, relief), optics, 1.0)
+    }
+
+    fn of_sheets(
+        target: Target<'a>,
+        sheets: Vec<Sheet>,
+        optics: &Optics,
+        headroom: f64,
+    ) -> Result<(Self, Vec<Sheet>)> {
+        let divergence = target.geometry.pitch_per_depth();
+        let sliced = |nodes: &[Node]| Slices::for_tolerance(divergence, nodes, optics, SLICE_TOLERANCE);
+        let slices = per_segment(&target, &sheets, sliced)?;
+        let reach_px = headroom * reach_px(slices.iter().flatten(), optics)?;
+        Ok((Self::with(target, slices, reach_px), sheets))
+    }
+
+    /// The plan with at most `count` slices along z between any two screens and padding for kernels that reach
+    /// `reach_px` pixels, and its sources.
+    pub(super) fn with_slices(target: Target<'a>, count: usize, reach_px: f64) -> (Self, Vec<Sheet>) {
+        let sheets = sheets(&target);
+        let divergence = target.geometry.pitch_per_depth();
+        let slices = per_segment(&target, &sheets, |nodes| Ok(Slices::new(divergence, nodes, count)));
+        (Self::with(target, slices.expect("a number of slices cannot fail"), reach_px), sheets)
+    }
+
+    fn with(target: Target<'a>, slices: Vec<Option<Slices>>, reach_px: f64) -> Self {
+        let obliquities = Obliquities::new(target.geometry, target.view);
+        Self { target, reach_px, obliquities, slices }
+    }
+
+    /// The screens of the target, nearest first.
+    pub(super) fn screens(&self) -> &'a [Screen] {
+        self.target.relief.map_or(&[], |relief| &relief.screens)
+    }
+
+    /// How far padding and slices serve the kernels of `optics` too.
+    pub(super) fn coverage(&self, optics: &Optics) -> Result<Coverage> {
+        let (reach, most) = (reach_px(self.all_slices(), optics)?, most_reach(&self.target));
+        let mut served = reach.min(most) <= self.reach_px;
+        for slices in self.all_slices() {
+            served &= slices.error(optics)? <= SLICE_TOLERANCE;
+        }
+        Ok(Coverage { served, cut: self.target.border != Border::Mirror && reach > most })
+    }
+
+    fn all_slices(&self) -> impl Iterator<Item = &Slices> {
+        self.slices.iter().flatten()
+    }
+
+    pub(super) fn slice_count(&self) -> usize {
+        self.all_slices().map(|s| s.nodes.len()).sum()
+    }
+
+    /// The only slice, if there is but one.
+    pub(super) fn single_depth(&self) -> Option<Node> {
+        match &self.slices[..] {
+            [Some(Slices { nodes, .. })] if nodes.len() == 1 => Some(nodes[0]),
+            _ => None,
+        }
+    }
+}
+
+/// Slices for what lies before the first screen and behind each; none where nothing does.
+fn per_segment(
+    target: &Target,
+    sheets: &[Sheet],
+    mut slices: impl FnMut(&[Node]) -> Result<Slices>,
+) -> Result<Vec<Option<Slices>>> {
+    let screens = target.relief.map_or(0, |relief| relief.screens.len());
+    let between = |passed: usize| {
+        let mine = sheets.iter().flatten().flatten().filter(|s| s.screens == passed);
+        let nodes: Vec<Node> = mine.map(|s| s.node).collect();
+        if nodes.is_empty() { Ok(None) } else { slices(&nodes).map(Some) }
+    };
+    (0..=screens).map(between).collect()
+}
+
+/// Radius in pixels beyond which less than [`OUTSIDE`] of the light of any slice falls.
+fn reach_px<'s>(slices: impl Iterator<Item = &'s Slices>, optics: &Optics) -> Result<f64> {
+    let mut reach: f64 = 0.0;
+    for node in slices.flat_map(|s| &s.nodes) {
+        reach = reach.max(optics.kernel(node.z)?.support(OUTSIDE) / node.pitch);
+    }
+    Ok(reach)
+}

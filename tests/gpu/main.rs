@@ -1,0 +1,19 @@
+//! The graphics backend. Without an adapter every test here fails: `scripts/test.sh` installs a software one.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod images;
+mod scenes;
+
+use narrowbeam::gpu::Gpu;
+
+/// The device that the tests share.
+fn gpu() -> &'static Gpu {
+    static GPU: std::sync::OnceLock<Gpu> = std::sync::OnceLock::new();
+    GPU.get_or_init(|| {
+        let gpu = Gpu::open().expect("these tests need a graphics adapter: see scripts/test.sh");
+        println!("adapter: {}", gpu.adapter());
+        gpu
+    })
+}
