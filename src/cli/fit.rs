@@ -1,6 +1,7 @@
 //! `narrowbeam fit`: from observed scenes to a medium.
 
-use super::options::{Backend, parse_backend, parse_model, provenance};
+use super::backend::{Chosen, Wanted};
+use super::options::{parse_model, provenance};
 use super::progress::Progress;
 use super::{UNDETERMINED, say};
 use crate::filter::Filter;
@@ -26,9 +27,9 @@ pub(super) struct Arguments {
     /// Filter for depth maps: eq29, composite, or auto: composite where the depth map has edges or slopes
     #[arg(long, default_value = "auto")]
     filter: Filter,
-    /// Where to compute: cpu or auto
-    #[arg(long, default_value = "auto", value_parser = parse_backend)]
-    backend: Backend,
+    /// Where to compute: cpu, gpu (a graphics adapter, be it a software one), or auto: a real one if it pays off
+    #[arg(long, default_value = "auto")]
+    backend: Wanted,
     /// Optimiser: levenberg-marquardt or nelder-mead
     #[arg(long, default_value = "levenberg-marquardt")]
     solver: Method,
@@ -52,10 +53,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
         .iter()
         .map(|path| Scene::read(path, Purpose::Fit))
         .collect::<crate::Result<Vec<_>>>()?;
+    let chosen = Chosen::new(arguments.backend, &scenes, TYPICAL_RENDERS)?;
     let renders = TYPICAL_RENDERS * (scenes.len() * scenes[0].object.len()) as u64;
     let progress = Progress::new("fitting", "renders", renders);
     let settings = Settings {
         model: arguments.model,
+        backend: chosen.backend(),
         method: arguments.solver,
         max_iterations: arguments.max_iterations,
         progress: &|| progress.add(1),
@@ -70,14 +73,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     atomic::check_writable(&arguments.out.join("fit.json"))?;
     let mut fit = fit_scenes(&scenes, &settings, arguments.filter)?;
     drop(progress);
+    fit.report.backend["reason"] = chosen.reason.clone().into();
     fit.report.command = provenance().into_iter().find(|(key, _)| key == "command").map(|(_, value)| value);
-    write(arguments, &scenes, &fit)?;
-    tell(arguments, &fit)?;
+    write(arguments, &scenes, &fit, &chosen)?;
+    tell(arguments, &fit, &chosen)?;
     Ok(if fit.report.is_complete() { ExitCode::SUCCESS } else { ExitCode::from(UNDETERMINED) })
 }
 
 /// The table for people goes to stdout, or to stderr if stdout is for the JSON.
-fn tell(arguments: &Arguments, fit: &SceneFit) -> Result<()> {
+fn tell(arguments: &Arguments, fit: &SceneFit, chosen: &Chosen) -> Result<()> {
     let report = &fit.report;
     let mut text = String::new();
     let rows = report.table("1/length");
@@ -87,7 +91,7 @@ fn tell(arguments: &Arguments, fit: &SceneFit) -> Result<()> {
             row.iter().enumerate().map(|(c, cell)| format!("{cell:<w$}", w = width(c))).collect();
         text += &format!("{}\n", cells.join("   ").trim_end());
     }
-    text += &format!("{}\n", how_it_went(arguments, fit));
+    text += &format!("{}\n", how_it_went(arguments, fit, chosen));
     if arguments.json {
         eprint!("{text}");
         say(&format!("{}\n", serde_json::to_string_pretty(report)?))?;
@@ -100,7 +104,7 @@ fn tell(arguments: &Arguments, fit: &SceneFit) -> Result<()> {
     Ok(())
 }
 
-fn how_it_went(arguments: &Arguments, fit: &SceneFit) -> String {
+fn how_it_went(arguments: &Arguments, fit: &SceneFit, chosen: &Chosen) -> String {
     let (report, hides) = (&fit.report, fit.hides());
     let fit = &report.fit;
     let count = |key: &str| fit[key].as_u64().unwrap_or(0);
@@ -115,7 +119,7 @@ fn how_it_went(arguments: &Arguments, fit: &SceneFit) -> String {
          report in {}",
         report.model,
         report.filter,
-        arguments.backend.name(),
+        chosen.describe(),
         fit["reduced_chi2"].as_f64().unwrap_or(f64::NAN),
         fit["iterations"],
         fit["evaluations"],
@@ -144,7 +148,7 @@ fn output(arguments: &Arguments, scenes: usize, i: usize, name: &str, kind: &str
 
 /// `render`, `residual`, `hidden_share` and the pictures of each scene, then the report. An earlier fit's `hidden_share`
 /// is removed if nothing is hidden now.
-fn write(arguments: &Arguments, scenes: &[Scene], fit: &SceneFit) -> Result<()> {
+fn write(arguments: &Arguments, scenes: &[Scene], fit: &SceneFit, chosen: &Chosen) -> Result<()> {
     for (i, scene) in scenes.iter().enumerate() {
         let observation = scene.observation.as_ref().expect("read for a fit");
         let file = |name: &str, kind: &str| output(arguments, scenes.len(), i, name, kind);
@@ -177,7 +181,7 @@ fn write(arguments: &Arguments, scenes: &[Scene], fit: &SceneFit) -> Result<()> 
             columns: if panels.len() > 4 { 3 } else { 4 },
             panels,
             table: fit.report.table("1/length"),
-            notes: vec![how_it_went(arguments, fit)],
+            notes: vec![how_it_went(arguments, fit, chosen)],
         };
         figure.write_png(&file("fit", "png"))?;
     }

@@ -1,6 +1,6 @@
 //! Options that several commands share.
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::phase::b_of_spread_angle;
 use crate::spread::Model;
 use clap::Args;
@@ -48,29 +48,6 @@ fn number(text: &str, ok: impl Fn(f64) -> bool, allowed: &str) -> std::result::R
 /// A model's name; `auto` is `small-angle`.
 pub(super) fn parse_model(name: &str) -> Result<Model> {
     if name == "auto" { Ok(Model::SmallAngle) } else { name.parse() }
-}
-
-/// Where the filter runs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Backend {
-    Cpu,
-}
-
-impl Backend {
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Backend::Cpu => "cpu",
-        }
-    }
-}
-
-/// A backend's name; `auto` is `cpu`.
-pub(super) fn parse_backend(name: &str) -> Result<Backend> {
-    match name {
-        "auto" | "cpu" => Ok(Backend::Cpu),
-        "gpu" => Err(Error::NotBuilt("backend gpu".into())),
-        _ => Err(Error::UnknownName { what: "backend", name: name.into(), known: "auto, cpu, gpu".into() }),
-    }
 }
 
 /// Software and command line, for the files that a command writes.

@@ -1,9 +1,9 @@
 //! `narrowbeam render`: a scene through its medium by a spread model.
 
-use super::options::{Backend, MediumOptions, parse_backend, parse_model, provenance};
+use super::backend::{Chosen, Wanted};
+use super::options::{MediumOptions, parse_model, provenance};
 use super::progress::Progress;
 use crate::error::Error;
-use crate::filter::cpu::CpuFilter;
 use crate::filter::{CUT, Filter, Optics, Target, hidden_share};
 use crate::image::Channel;
 use crate::io::{atomic, exr};
@@ -28,9 +28,9 @@ pub(super) struct Arguments {
     /// Filter for depth maps: eq29, composite, or auto: composite where the depth map has edges or slopes
     #[arg(long, default_value = "auto")]
     filter: Filter,
-    /// Where to compute: cpu or auto
-    #[arg(long, default_value = "auto", value_parser = parse_backend)]
-    backend: Backend,
+    /// Where to compute: cpu, gpu (a graphics adapter, be it a software one), or auto: a real one if it pays off
+    #[arg(long, default_value = "auto")]
+    backend: Wanted,
     #[command(flatten)]
     medium: MediumOptions,
     /// Image to write
@@ -58,6 +58,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let scene = Scene::read(&arguments.scene, Purpose::Render)?;
     let media = scene.medium_values(arguments.medium.values())?;
     check_outputs(arguments)?;
+    let scenes = [scene];
+    let chosen = Chosen::new(arguments.backend, &scenes, 1)?;
+    let (backend, [scene]) = (chosen.backend(), &scenes);
     let progress = Progress::uncounted("rendering");
     let relief = arguments.filter.relief(&scene.geometry);
     let mut cut = false;
@@ -74,23 +77,24 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
             view: scene.view,
             relief: relief.as_ref(),
         };
-        let filter = CpuFilter::new(target, &optics, 1.0)?;
+        let filter = backend.prepare(target, &optics, 1.0)?;
         let image = filter.render(&optics)?;
         cut |= filter.coverage(&optics)?.cut;
         channels.push(Channel { name: object.name.clone(), image });
         if arguments.hidden_share.is_some() {
-            shares.push(Channel { name: object.name.clone(), image: hidden_share(&target, &optics)? });
+            shares
+                .push(Channel { name: object.name.clone(), image: hidden_share(&target, &optics, backend)? });
         }
     }
     drop(progress);
     let mut attributes = provenance();
     attributes.push(("model".into(), arguments.model.name().into()));
     attributes.push(("filter".into(), Filter::of(relief.as_ref()).name().into()));
-    attributes.push(("backend".into(), arguments.backend.name().into()));
+    attributes.push(("backend".into(), chosen.describe()));
     attributes.push(("medium".into(), format!("{media:?}")));
     exr::write(&arguments.output, &channels, &attributes)?;
     match &arguments.hidden_share {
-        Some(path) if has_extension(path, "png") => draw_hidden_share(path, &scene, shares)?,
+        Some(path) if has_extension(path, "png") => draw_hidden_share(path, scene, shares)?,
         Some(path) => exr::write(path, &shares, &attributes)?,
         None => (),
     }

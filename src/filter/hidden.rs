@@ -1,8 +1,6 @@
 //! How much of each pixel's light may come from where no image shows anything.
 
-use super::cpu::CpuFilter;
-use super::plan::Plan;
-use super::{Optics, Target};
+use super::{Backend, Optics, Target};
 use crate::error::Result;
 use crate::geometry::median;
 use crate::image::Image;
@@ -13,15 +11,15 @@ use crate::spread::Model;
 /// object, z is the median path length.
 ///
 /// # Errors
-/// As [`Optics::kernel`].
-pub fn hidden_share(target: &Target, optics: &Optics) -> Result<Image> {
+/// As [`Optics::kernel`], and [`Error::Gpu`](crate::Error::Gpu) if the device fails.
+pub fn hidden_share<'a>(target: &Target<'a>, optics: &Optics, backend: Backend<'a>) -> Result<Image> {
     let (view, geometry) = (target.view, target.geometry);
     let nothing = Image::filled(view.width, view.height, 0.0);
     let Some(relief) = target.relief.filter(|r| r.hides()) else { return Ok(nothing) };
     if optics.model == Model::BeerLambert {
         return Ok(nothing);
     }
-    let light = CpuFilter::of(Plan::of_hidden(*target, relief, optics)?).render(optics)?;
+    let light = backend.prepare_hidden(*target, relief, optics)?.render(optics)?;
     let typical = median(geometry.path_lengths());
     Ok(Image::from_fn(view.width, view.height, |x, y| {
         let z = geometry.path_length(view.x + x, view.y + y).unwrap_or(typical);

@@ -8,12 +8,14 @@
 //! averaged over pixel x. Its transform is the scattered transfer function times sinc² in each axis, summed over
 //! all its aliases ([`footprint`]).
 //!
-//! Three rungs, each tested against the one before: [`direct_sum`], the definition in real space, f64;
-//! [`per_depth`], one f64 FFT for each distinct depth; [`cpu`], f32 FFTs of a few depth slices.
+//! Four rungs, each tested against the one before: [`direct_sum`], the definition in real space, f64;
+//! [`per_depth`], one f64 FFT for each distinct depth; [`cpu`], f32 FFTs of a few depth slices; [`gpu`], the same on a
+//! graphics adapter.
 //!
 //! Border: outside the object image there is nothing (`zero`), the outermost pixel (`clamp`, as far as the kernel
 //! reaches) or the mirrored image, periodically (`mirror`).
 
+mod backend;
 mod bend;
 mod canvas;
 mod chebyshev;
@@ -34,6 +36,7 @@ mod tables;
 mod transfer;
 mod unit_cells;
 
+pub use backend::{Backend, Prepared};
 pub use hidden::hidden_share;
 pub use plan::{CUT, Coverage};
 

@@ -3,9 +3,9 @@
 use super::bend::bend;
 use super::canvas::{Canvas, Spectrum};
 use super::obliquity::Obliquity;
+use super::plan::Plan;
 use super::slices::{Node, Slices};
 use super::sources::{Sheet, Source};
-use super::plan::Plan;
 use super::transfer::{Frequency, Wave, Way, over, times};
 use super::{Optics, Target};
 use crate::error::Result;

@@ -4,6 +4,7 @@
 //! object light. A free gain or veil enters linearly and is eliminated at every step (variable projection, Golub
 //! and Pereyra 1973); the rest is a damped Gauss-Newton iteration in (ln sigma_s, sigma_a, ln B).
 
+mod comparison;
 mod datum;
 mod equations;
 mod exposure;
@@ -24,8 +25,7 @@ pub use solver::Method;
 pub use uncertainty::{Status, Uncertainty};
 
 use crate::error::{Error, Result};
-use crate::filter::cpu::CpuFilter;
-use crate::filter::{Optics, hidden_share};
+use crate::filter::{Backend, Optics, hidden_share};
 use crate::geometry::Geometry;
 use crate::image::Image;
 use crate::medium::Medium;
@@ -33,6 +33,7 @@ use crate::phase::Gaussian;
 use crate::relief::Relief;
 use crate::scene::{FitOptions, Gain};
 use crate::spread::Model;
+use comparison::Comparison;
 use equations::NormalEquations;
 use exposure::exposures;
 use observed::Observed;
@@ -42,6 +43,8 @@ use observed::Observed;
 pub struct Settings<'a> {
     /// The spread model.
     pub model: Model,
+    /// What renders.
+    pub backend: Backend<'a>,
     /// The optimiser.
     pub method: Method,
     /// Iterations after which a fit is given up.
@@ -54,6 +57,7 @@ impl Default for Settings<'_> {
     fn default() -> Self {
         Self {
             model: Model::SmallAngle,
+            backend: Backend::Cpu,
             method: Method::LevenbergMarquardt,
             max_iterations: 200,
             progress: &|| (),
@@ -145,8 +149,8 @@ fn fit_from(
     width: Option<f64>,
 ) -> Result<ChannelFit> {
     let mut observed = data.iter().map(Observed::new).collect::<Result<Vec<_>>>()?;
-    let scenes: Vec<&Geometry> = data.iter().map(|d| d.target.geometry).collect();
-    let median_z = median_path_length(&scenes);
+    let geometries: Vec<&Geometry> = data.iter().map(|d| d.target.geometry).collect();
+    let median_z = median_path_length(&geometries);
     let mut parameters = Parameters::new(options, settings.model, median_z)?;
     let mut evaluations = 0;
     match width {
@@ -157,16 +161,16 @@ fn fit_from(
     let unknown_noise = data.iter().any(|d| d.noise.is_none());
     let mut iterations = 0;
     let mut round = 0;
-    let mut filters = plan(data, &parameters, settings.model)?;
+    let mut scenes = plan(data, &observed, &parameters, settings)?;
     loop {
         round += 1;
-        let outcome = solver::run(Problem::new(&filters, &observed, &parameters, settings), settings)?;
+        let outcome = solver::run(Problem::new(&scenes, &observed, &parameters, settings), settings)?;
         iterations += outcome.iterations;
         evaluations += outcome.evaluations;
         parameters.set_internal(&outcome.point);
         let unsettled = exposures(&outcome.equations, &observed, None);
         let renders =
-            Problem::new(&filters, &observed, &parameters, settings).exposed_renders(&unsettled, data)?;
+            Problem::new(&scenes, &observed, &parameters, settings).exposed_renders(&unsettled, data)?;
         // Only the ratio of the scenes' weights moves the optimum, so one scene is settled whatever its noise.
         let mut change: f64 = 0.0;
         for ((o, datum), render) in observed.iter_mut().zip(data).zip(&renders) {
@@ -176,20 +180,22 @@ fn fit_from(
                 o.noise = noise;
             }
         }
-        let hidden_shares = hidden_shares(data, &parameters, settings.model)?;
+        let hidden_shares = hidden_shares(data, &parameters, settings)?;
         let mut uncovered = false;
-        for (o, share) in observed.iter_mut().zip(&hidden_shares) {
+        for ((o, share), scene) in observed.iter_mut().zip(&hidden_shares).zip(&mut scenes) {
             if let Some(share) = share
                 && round < MOST_ROUNDS
+                && o.leave_out_hidden(share)?
             {
-                uncovered |= o.leave_out_hidden(share)?;
+                scene.observe(o)?;
+                uncovered = true;
             }
         }
         let settled = !uncovered && (data.len() == 1 || change < NOISE_SETTLED);
         let (served, cut) = with_optics(&parameters, settings.model, |optics| {
             let (mut served, mut cut) = (true, false);
-            for filter in &filters {
-                let coverage = filter.coverage(optics)?;
+            for scene in &scenes {
+                let coverage = scene.filter.coverage(optics)?;
                 served &= coverage.served;
                 cut |= coverage.cut;
             }
@@ -197,7 +203,7 @@ fn fit_from(
         })?;
         let settled = settled && served;
         if settled || round == MOST_ROUNDS || !outcome.converged {
-            let problem = Problem::new(&filters, &observed, &parameters, settings);
+            let problem = Problem::new(&scenes, &observed, &parameters, settings);
             let last = if unknown_noise { problem.equations(&outcome.point)? } else { outcome.equations };
             let fitted = parameters.free_count() + data.iter().map(Datum::free_exposure).sum::<usize>();
             let pixels = observed.iter().map(Observed::pixels).sum::<usize>();
@@ -222,20 +228,20 @@ fn fit_from(
                 stop: outcome.stop,
                 iterations,
                 evaluations,
-                transforms: filters.iter().map(|f| f.transforms().1).sum(),
+                transforms: scenes.iter().map(|s| s.filter.transforms().1).sum(),
                 free_gain: data.iter().any(|d| d.gain == Gain::Free),
                 parameters,
             });
         }
         if !served {
-            filters = plan(data, &parameters, settings.model)?;
+            scenes = plan(data, &observed, &parameters, settings)?;
         }
     }
 }
 
 /// The optimisation problem handed to a solver: parameters in, normal equations out.
 pub(crate) struct Problem<'a> {
-    filters: &'a [CpuFilter<'a>],
+    scenes: &'a [Comparison<'a>],
     observed: &'a [Observed<'a>],
     parameters: &'a Parameters,
     settings: &'a Settings<'a>,
@@ -243,12 +249,12 @@ pub(crate) struct Problem<'a> {
 
 impl<'a> Problem<'a> {
     fn new(
-        filters: &'a [CpuFilter<'a>],
+        scenes: &'a [Comparison<'a>],
         observed: &'a [Observed<'a>],
         parameters: &'a Parameters,
         settings: &'a Settings<'a>,
     ) -> Self {
-        Self { filters, observed, parameters, settings }
+        Self { scenes, observed, parameters, settings }
     }
 
     pub(crate) fn parameters(&self) -> &Parameters {
@@ -261,9 +267,8 @@ impl<'a> Problem<'a> {
         let parameters = self.parameters.at(u);
         with_optics(&parameters, self.settings.model, |optics| {
             let mut sum = NormalEquations::default();
-            for (filter, observed) in self.filters.iter().zip(self.observed) {
-                let rendering = filter.render_with_gradient(optics)?;
-                let products = observed.products(&rendering.image, rendering.gradient.as_ref());
+            for (scene, observed) in self.scenes.iter().zip(self.observed) {
+                let products = scene.products(optics, observed, true)?;
                 sum.add(observed.compare(&products, scale));
                 (self.settings.progress)();
             }
@@ -276,8 +281,8 @@ impl<'a> Problem<'a> {
         let parameters = self.parameters.at(u);
         with_optics(&parameters, self.settings.model, |optics| {
             let mut cost = 0.0;
-            for (filter, observed) in self.filters.iter().zip(self.observed) {
-                let products = observed.products(&filter.render(optics)?, None);
+            for (scene, observed) in self.scenes.iter().zip(self.observed) {
+                let products = scene.products(optics, observed, false)?;
                 cost += observed.compare(&products, [0.0; 3]).cost;
                 (self.settings.progress)();
             }
@@ -288,9 +293,11 @@ impl<'a> Problem<'a> {
     /// Every scene rendered at the parameters, exposed and veiled as it was observed.
     fn exposed_renders(&self, exposures: &[Exposure], data: &[Datum]) -> Result<Vec<Image>> {
         with_optics(self.parameters, self.settings.model, |optics| {
-            let scenes = self.filters.iter().zip(exposures).zip(data);
+            let scenes = self.scenes.iter().zip(exposures).zip(data);
             scenes
-                .map(|((filter, exposure), datum)| Ok(exposure.apply(filter.render(optics)?, datum.veil)))
+                .map(
+                    |((scene, exposure), datum)| Ok(exposure.apply(scene.filter.render(optics)?, datum.veil)),
+                )
                 .collect()
         })
     }
@@ -316,17 +323,31 @@ pub(crate) fn with_optics<T>(
     f(&Optics { model, medium: Medium::new(sigma_s, sigma_a)?, phase: &phase })
 }
 
-fn plan<'a>(data: &[Datum<'a>], parameters: &Parameters, model: Model) -> Result<Vec<CpuFilter<'a>>> {
-    with_optics(parameters, model, |optics| {
-        data.iter().map(|d| CpuFilter::new(d.target, optics, HEADROOM)).collect()
+fn plan<'a>(
+    data: &[Datum<'a>],
+    observed: &[Observed],
+    parameters: &Parameters,
+    settings: &Settings<'a>,
+) -> Result<Vec<Comparison<'a>>> {
+    with_optics(parameters, settings.model, |optics| {
+        let scene = |(d, o): (&Datum<'a>, &Observed)| {
+            Comparison::new(settings.backend.prepare(d.target, optics, HEADROOM)?, o)
+        };
+        data.iter().zip(observed).map(scene).collect()
     })
 }
 
 /// Each scene's share of hidden light.
-fn hidden_shares(data: &[Datum], parameters: &Parameters, model: Model) -> Result<Vec<Option<Image>>> {
+fn hidden_shares<'a>(
+    data: &[Datum<'a>],
+    parameters: &Parameters,
+    settings: &Settings<'a>,
+) -> Result<Vec<Option<Image>>> {
     let hides = |d: &Datum| d.target.relief.is_some_and(|relief| relief.hides());
-    with_optics(parameters, model, |optics| {
-        data.iter().map(|d| hides(d).then(|| hidden_share(&d.target, optics)).transpose()).collect()
+    with_optics(parameters, settings.model, |optics| {
+        let share =
+            |d: &Datum<'a>| hides(d).then(|| hidden_share(&d.target, optics, settings.backend)).transpose();
+        data.iter().map(share).collect()
     })
 }
 

@@ -92,7 +92,7 @@ impl<'a> Observed<'a> {
     }
 
     /// Gain and veil as given, 1 and 0 where they are free.
-    fn given_exposure(&self) -> Vector2<f64> {
+    pub(super) fn given_exposure(&self) -> Vector2<f64> {
         let Gain::Fixed(gain) = self.datum.gain else { return Vector2::new(1.0, 0.0) };
         Vector2::new(gain, 0.0)
     }
@@ -100,6 +100,20 @@ impl<'a> Observed<'a> {
     /// What a fit needs of `image`, rendered with or without `gradient`.
     pub(super) fn products(&self, image: &Image, gradient: Option<&[Image; 3]>) -> Products {
         Products::over(&self.pixels, image, gradient, self.given_exposure())
+    }
+
+    /// Every pixel of the view, known veil taken off, and whether it counts.
+    pub(super) fn values(&self) -> impl Iterator<Item = (f32, bool)> {
+        let mut all: Vec<(f32, bool)> = vec![(0.0, false); self.counts.len()];
+        for &(i, y) in &self.pixels {
+            all[i as usize] = (y, true);
+        }
+        all.into_iter()
+    }
+
+    /// Gain and veil that fit best.
+    pub(super) fn exposure(&self, products: &Products) -> Vector2<f64> {
+        self.expose(products).0
     }
 
     /// Gain and veil that fit best, given or by linear least squares, and the inverse normal matrix: NaN if a flat

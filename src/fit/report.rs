@@ -2,8 +2,7 @@
 
 use super::uncertainty::{Status, Z95};
 use super::{ChannelFit, MISFIT, NAMES, Settings};
-use crate::filter::Filter;
-use crate::filter::CUT;
+use crate::filter::{Backend, CUT, Filter};
 use crate::medium::Medium;
 use crate::phase::{Gaussian, PhaseFunction};
 use crate::spread::{Model, SMALL_ANGLE_LIMIT, small_angle_error};
@@ -69,7 +68,7 @@ impl FitReport {
             version: env!("CARGO_PKG_VERSION"),
             model: settings.model.name(),
             filter: filter.name(),
-            backend: json!({ "kind": "cpu", "adapter": null }),
+            backend: backend(settings.backend),
             parameters: Map::new(),
             derived: Map::new(),
             fit: summary(channels, seconds),
@@ -132,6 +131,14 @@ impl FitReport {
         }
         rows
     }
+}
+
+fn backend(backend: Backend) -> Value {
+    let adapter = match backend {
+        Backend::Cpu => Value::Null,
+        Backend::Gpu(gpu) => json!(gpu.adapter().to_string()),
+    };
+    json!({ "kind": backend.name(), "adapter": adapter })
 }
 
 /// Five significant digits.

@@ -6,12 +6,12 @@
 //! itself: in thick media the blurred light is taken for direct light, so larger depths are tried too. Light that a
 //! wide kernel carries out of the view lowers the level as absorption does, so each trial has its own absorption.
 
+use super::comparison::Comparison;
 use super::datum::{Datum, VeilTerm};
 use super::observed::Observed;
 use super::{Parameters, Settings, with_optics};
 use crate::error::Result;
 use crate::filter::Target;
-use crate::filter::cpu::CpuFilter;
 use crate::scene::{FitOptions, Gain};
 
 /// Blur widths tried, as shares of the view's smaller side.
@@ -24,12 +24,12 @@ const TAU: (f64, f64) = (0.1, 8.0);
 const SLICES: usize = 5;
 
 /// Chooses the values that the user has neither fixed nor started; returns the number of renders.
-pub(super) fn choose(
+pub(super) fn choose<'a>(
     parameters: &mut Parameters,
     options: &FitOptions,
-    data: &[Datum],
+    data: &[Datum<'a>],
     observed: &[Observed],
-    settings: &Settings,
+    settings: &Settings<'a>,
     median_z: f64,
 ) -> Result<u64> {
     let Split { sigma_s, sigma_a } = Split::mean(data, median_z);
@@ -50,10 +50,11 @@ pub(super) fn choose(
         vec![parameters.values()[2]]
     };
     let depths: &[f64] = if scan_depth { &DEPTHS } else { &[1.0] };
-    let filters: Vec<CpuFilter> = data
-        .iter()
-        .map(|d| CpuFilter::with_slices(Target { relief: None, ..d.target }, SLICES, 0.5 * view_side_px(d)))
-        .collect();
+    let scene = |(d, o): (&Datum<'a>, &Observed)| {
+        let target = Target { relief: None, ..d.target };
+        Comparison::new(settings.backend.prepare_slices(target, SLICES, 0.5 * view_side_px(d))?, o)
+    };
+    let scenes = data.iter().zip(observed).map(scene).collect::<Result<Vec<_>>>()?;
     let first = parameters.clone();
     let mut best = f64::INFINITY;
     let mut renders = 0;
@@ -63,9 +64,9 @@ pub(super) fn choose(
             trial.set(0, first.values()[0] * depth);
             trial.set(2, b);
             let mut level = Level::default();
-            for ((filter, observed), datum) in filters.iter().zip(observed).zip(data) {
-                let image = with_optics(&trial, model, |optics| filter.render(optics))?;
-                level.add(observed.levels(&observed.products(&image, None)), datum.gain);
+            for ((scene, observed), datum) in scenes.iter().zip(observed).zip(data) {
+                let products = with_optics(&trial, model, |optics| scene.products(optics, observed, false))?;
+                level.add(observed.levels(&products), datum.gain);
                 renders += 1;
                 (settings.progress)();
             }

@@ -86,7 +86,13 @@ impl FftPlan {
 
     /// Transforms `images[i]` for each `i` of `which`, with the last of `images` as working space; the buffers change
     /// places so that each result is where its image was.
-    pub fn record(&self, recording: &mut Recording, images: &mut [Buffer; 3], which: &[usize], inverse: bool) {
+    pub fn record(
+        &self,
+        recording: &mut Recording,
+        images: &mut [Buffer; 3],
+        which: &[usize],
+        inverse: bool,
+    ) {
         for &i in which {
             for pass in if inverse { &self.inverse } else { &self.forward } {
                 let p = &pass.parameters;

@@ -13,7 +13,9 @@ mod tables;
 pub mod shaders;
 
 pub use fft::FftPlan;
-pub use layout::{Canvas as CanvasLayout, Collect, Gather, NOTHING, PRODUCTS, Pass, Source, Store, Sums, Total, Weigh};
+pub use layout::{
+    Canvas as CanvasLayout, Collect, Gather, NOTHING, PRODUCTS, Pass, Source, Store, Sums, Total, Weigh,
+};
 pub use tables::Record;
 
 use super::canvas::Canvas;
@@ -240,8 +242,7 @@ impl<'a> GpuFilter<'a> {
                 scale_per_w: tables.scale.1,
                 padding: 0,
             };
-            let buffers =
-                [&records, &entries, &self.resident.axes, &part.spectra, &pairs[0], &pairs[1]];
+            let buffers = [&records, &entries, &self.resident.axes, &part.spectra, &pairs[0], &pairs[1]];
             let groups = part.columns * (height / 2 + 1).div_ceil(64);
             recording.dispatch_groups(&self.gpu.stage(&shaders::GATHER), &parameters, &buffers, groups);
         }

@@ -1,0 +1,96 @@
+//! `--backend`: where to compute, and why there.
+
+use crate::error::{Error, Result};
+use crate::filter::Backend;
+use crate::gpu::{Gpu, adapters};
+use crate::scene::Scene;
+use std::str::FromStr;
+
+/// What the user asks for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Wanted {
+    /// A graphics adapter if it pays off.
+    Auto,
+    Cpu,
+    /// A graphics adapter, be it a software one.
+    Gpu,
+}
+
+impl FromStr for Wanted {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self> {
+        match name {
+            "auto" => Ok(Wanted::Auto),
+            "cpu" => Ok(Wanted::Cpu),
+            "gpu" => Ok(Wanted::Gpu),
+            _ => {
+                Err(Error::UnknownName { what: "backend", name: name.into(), known: "auto, cpu, gpu".into() })
+            }
+        }
+    }
+}
+
+/// What a command computes with.
+pub(super) struct Chosen {
+    gpu: Option<Gpu>,
+    /// Why, in words.
+    pub reason: String,
+}
+
+/// Time that the CPU takes for one evaluation with derivatives, seconds a pixel, at one depth and over a depth map;
+/// from `cargo bench --bench fit` on two cores.
+const PIXEL_SECONDS: [f64; 2] = [4e-8, 3e-7];
+/// Work for the CPU below which no device is opened: a few times what opening one and compiling the shaders takes.
+const WORTHWHILE_SECONDS: f64 = 2.0;
+
+impl Chosen {
+    /// The choice for `evaluations` of each channel of `scenes`.
+    ///
+    /// # Errors
+    /// [`Error::NoAdapter`] or [`Error::Gpu`] if a graphics adapter is wanted and there is none, or it cannot be opened.
+    pub(super) fn new(wanted: Wanted, scenes: &[Scene], evaluations: u64) -> Result<Self> {
+        let cpu = |reason: String| Ok(Self { gpu: None, reason });
+        match wanted {
+            Wanted::Cpu => return cpu("as asked".into()),
+            Wanted::Gpu => return Ok(Self { gpu: Some(Gpu::open()?), reason: "as asked".into() }),
+            Wanted::Auto => (),
+        }
+        let seconds = evaluations as f64 * scenes.iter().map(evaluation_seconds).sum::<f64>();
+        if seconds < WORTHWHILE_SECONDS {
+            return cpu(format!(
+                "about {seconds:.1} s of work, less than {WORTHWHILE_SECONDS} s for which a graphics adapter is opened"
+            ));
+        }
+        let Some(best) = adapters().into_iter().next() else {
+            return cpu("there is no graphics adapter".into());
+        };
+        if best.software {
+            return cpu(format!("the only graphics adapter is {best}, slower than the CPU that it runs on"));
+        }
+        let reason = format!("about {seconds:.0} s of work for the CPU");
+        match best.open() {
+            Ok(gpu) => Ok(Self { gpu: Some(gpu), reason }),
+            Err(e) => cpu(e.to_string()),
+        }
+    }
+
+    pub(super) fn backend(&self) -> Backend<'_> {
+        self.gpu.as_ref().map_or(Backend::Cpu, Backend::Gpu)
+    }
+
+    /// Backend, adapter and reason in a line.
+    pub(super) fn describe(&self) -> String {
+        match &self.gpu {
+            None => format!("cpu ({})", self.reason),
+            Some(gpu) => format!("gpu: {} ({})", gpu.adapter(), self.reason),
+        }
+    }
+}
+
+/// Time of one evaluation of all channels on the CPU.
+fn evaluation_seconds(scene: &Scene) -> f64 {
+    let pixels = (scene.geometry.width * scene.geometry.height * scene.object.len()) as f64;
+    let several_depths = scene.geometry.path_lengths().len() > 1;
+    pixels * PIXEL_SECONDS[usize::from(several_depths)]
+}

@@ -1,0 +1,117 @@
+//! Where the filter runs.
+
+use super::cpu::{CpuFilter, Rendering};
+use super::gpu::GpuFilter;
+use super::plan::{Coverage, Plan};
+use super::sources::Sheet;
+use super::{Optics, Target};
+use crate::error::Result;
+use crate::gpu::Gpu;
+use crate::image::Image;
+use crate::relief::Relief;
+
+/// What computes renders.
+#[derive(Clone, Copy, Default)]
+pub enum Backend<'a> {
+    /// All cores of this machine.
+    #[default]
+    Cpu,
+    /// A graphics adapter.
+    Gpu(&'a Gpu),
+}
+
+/// A target prepared for many renders.
+pub enum Prepared<'a> {
+    /// On the CPU.
+    Cpu(CpuFilter<'a>),
+    /// On a graphics adapter.
+    Gpu(GpuFilter<'a>),
+}
+
+impl<'a> Backend<'a> {
+    /// Name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Backend::Cpu => "cpu",
+            Backend::Gpu(_) => "gpu",
+        }
+    }
+
+    /// Prepares `target` for kernels up to as wide as those of `optics`, times `headroom`.
+    ///
+    /// # Errors
+    /// As [`Optics::kernel`], and [`Error::Gpu`](crate::Error::Gpu) if the device cannot hold it.
+    pub fn prepare(self, target: Target<'a>, optics: &Optics, headroom: f64) -> Result<Prepared<'a>> {
+        self.of(Plan::new(target, optics, headroom)?)
+    }
+
+    /// Prepares `target` with at most `count` slices along z between any two screens and padding for kernels that reach
+    /// `reach_px` pixels.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`](crate::Error::Gpu) if the device cannot hold it.
+    pub fn prepare_slices(self, target: Target<'a>, count: usize, reach_px: f64) -> Result<Prepared<'a>> {
+        self.of(Plan::with_slices(target, count, reach_px))
+    }
+
+    /// Prepares radiance 1 on all that is supposed, but not known, to lie behind the screens of `relief`.
+    pub(super) fn prepare_hidden(
+        self,
+        target: Target<'a>,
+        relief: &Relief,
+        optics: &Optics,
+    ) -> Result<Prepared<'a>> {
+        self.of(Plan::of_hidden(target, relief, optics)?)
+    }
+
+    fn of(self, plan: (Plan<'a>, Vec<Sheet>)) -> Result<Prepared<'a>> {
+        Ok(match self {
+            Backend::Cpu => Prepared::Cpu(CpuFilter::of(plan)),
+            Backend::Gpu(gpu) => Prepared::Gpu(GpuFilter::of(gpu, plan)?),
+        })
+    }
+}
+
+impl Prepared<'_> {
+    /// How far padding and slices serve the kernels of `optics` too.
+    ///
+    /// # Errors
+    /// As [`Optics::kernel`].
+    pub fn coverage(&self, optics: &Optics) -> Result<Coverage> {
+        match self {
+            Prepared::Cpu(filter) => filter.coverage(optics),
+            Prepared::Gpu(filter) => filter.coverage(optics),
+        }
+    }
+
+    /// Number of 2-D FFTs that one render takes, without and with the derivatives, and their size; real ones on the
+    /// CPU, complex ones on a graphics adapter.
+    pub fn transforms(&self) -> (usize, usize, [usize; 2]) {
+        match self {
+            Prepared::Cpu(filter) => filter.transforms(),
+            Prepared::Gpu(filter) => filter.transforms(),
+        }
+    }
+
+    /// The image through the medium, over the target's view.
+    ///
+    /// # Errors
+    /// As [`Optics::kernel`], and [`Error::Gpu`](crate::Error::Gpu) if the device fails.
+    pub fn render(&self, optics: &Optics) -> Result<Image> {
+        match self {
+            Prepared::Cpu(filter) => filter.render(optics),
+            Prepared::Gpu(filter) => filter.render(optics),
+        }
+    }
+
+    /// The image and its derivatives, over the target's view.
+    ///
+    /// # Errors
+    /// As [`render`](Self::render).
+    pub fn render_with_gradient(&self, optics: &Optics) -> Result<Rendering> {
+        match self {
+            Prepared::Cpu(filter) => filter.render_with_gradient(optics),
+            Prepared::Gpu(filter) => filter.render_with_gradient(optics),
+        }
+    }
+}
