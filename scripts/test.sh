@@ -5,6 +5,8 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 # One test makes a Mitsuba image afresh: its Python environment, once.
 scripts/mitsuba_env.sh >/dev/null
+# The GPU tests need an adapter, be it a software one.
+scripts/vulkan.sh
 
 cargo test --release --locked --all-targets
 # Benches are built by --all-targets but not run; documentation examples are run apart.

@@ -9,10 +9,15 @@ struct Collect {
     view_width: u32,
     view_height: u32,
     sigma_t: f32,
+    // Unit of the derivatives in sigma_s and sigma_a.
+    unit: f32,
     // 1 if there are derivatives; images collected before; 1 to add direct light.
     derivatives: u32,
     before: u32,
     direct: u32,
+    padding_1: u32,
+    padding_2: u32,
+    padding_3: u32,
 }
 
 @group(0) @binding(0) var<uniform> collect: Collect;
@@ -49,7 +54,7 @@ fn main(
         let object = (sheet * canvas.object_height + y) * canvas.object_width + x;
         let source = sources[object];
         if source.segment == 0u {
-            sum += direct(source.light, collect.sigma_t, source.z / source.cosine);
+            sum += direct(source.light, collect.sigma_t, source.z / source.cosine, collect.unit);
         }
     }
     let count = select(1u, 4u, collect.derivatives == 1u);

@@ -9,11 +9,12 @@ struct Pass {
     // Path length along the camera's axis at the screen.
     z: f32,
     sigma_t: f32,
+    // Unit of the derivatives in sigma_s and sigma_a.
+    unit: f32,
     // 1 if there are derivatives.
     derivatives: u32,
     padding_1: u32,
     padding_2: u32,
-    padding_3: u32,
 }
 
 @group(0) @binding(0) var<uniform> pass_by: Pass;
@@ -50,7 +51,8 @@ fn main(
     for (var sheet = 0u; sheet < canvas.sheets && open; sheet++) {
         let source = sources[sheet * canvas.object_width * canvas.object_height + u32(pixel)];
         if source.segment == pass_by.segment {
-            sum += direct(source.light, pass_by.sigma_t, (source.z - pass_by.z) / source.cosine);
+            let way = (source.z - pass_by.z) / source.cosine;
+            sum += direct(source.light, pass_by.sigma_t, way, pass_by.unit);
         }
     }
     if pass_by.derivatives == 1u {

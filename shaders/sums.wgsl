@@ -8,6 +8,10 @@ struct Sums {
     veil: f32,
     // 1 if there are derivatives.
     derivatives: u32,
+    zero: u32,
+    padding_1: u32,
+    padding_2: u32,
+    padding_3: u32,
 }
 
 const PRODUCTS: u32 = 21u;
@@ -41,7 +45,7 @@ fn main(
         var product = 0u;
         for (var i = 0u; i < 6u; i++) {
             for (var j = 0u; j <= i; j++) {
-                mine[product] = plus(mine[product], all[i] * all[j]);
+                mine[product] = plus(mine[product], all[i] * all[j], sums.zero);
                 product++;
             }
         }
@@ -52,7 +56,7 @@ fn main(
         for (var half = 32u; half > 0u; half /= 2u) {
             workgroupBarrier();
             if within < half {
-                shared_sums[within] = join(shared_sums[within], shared_sums[within + half]);
+                shared_sums[within] = join(shared_sums[within], shared_sums[within + half], sums.zero);
             }
         }
         if within == 0u {

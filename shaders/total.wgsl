@@ -3,6 +3,8 @@
 struct Total {
     groups: u32,
     products: u32,
+    zero: u32,
+    padding: u32,
 }
 
 @group(0) @binding(0) var<uniform> total: Total;
@@ -16,7 +18,7 @@ fn main(@builtin(local_invocation_index) within: u32) {
     }
     var sum = vec2f(0.0);
     for (var group = 0u; group < total.groups; group++) {
-        sum = join(sum, partial[group * total.products + within]);
+        sum = join(sum, partial[group * total.products + within], total.zero);
     }
     whole[within] = sum;
 }

@@ -23,9 +23,9 @@ pub enum Backend<'a> {
 /// A target prepared for many renders.
 pub enum Prepared<'a> {
     /// On the CPU.
-    Cpu(CpuFilter<'a>),
+    Cpu(Box<CpuFilter<'a>>),
     /// On a graphics adapter.
-    Gpu(GpuFilter<'a>),
+    Gpu(Box<GpuFilter<'a>>),
 }
 
 impl<'a> Backend<'a> {
@@ -66,8 +66,8 @@ impl<'a> Backend<'a> {
 
     fn of(self, plan: (Plan<'a>, Vec<Sheet>)) -> Result<Prepared<'a>> {
         Ok(match self {
-            Backend::Cpu => Prepared::Cpu(CpuFilter::of(plan)),
-            Backend::Gpu(gpu) => Prepared::Gpu(GpuFilter::of(gpu, plan)?),
+            Backend::Cpu => Prepared::Cpu(Box::new(CpuFilter::of(plan))),
+            Backend::Gpu(gpu) => Prepared::Gpu(Box::new(GpuFilter::of(gpu, plan)?)),
         })
     }
 }

@@ -103,6 +103,12 @@ impl<'a> Plan<'a> {
         self.all_slices().map(|s| s.nodes.len()).sum()
     }
 
+    /// Path length of the farthest slice, length.
+    pub(super) fn farthest(&self) -> f64 {
+        let lengths = self.all_slices().flat_map(|s| &s.nodes).map(|node| node.z);
+        lengths.fold(0.0, f64::max).max(f64::MIN_POSITIVE)
+    }
+
     /// The only slice, if there is but one.
     pub(super) fn single_depth(&self) -> Option<Node> {
         match &self.slices[..] {

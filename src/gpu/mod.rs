@@ -16,7 +16,6 @@ use crate::error::{Error, Result};
 use bytemuck::Pod;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{Buffer, BufferUsages};
 
 /// An open device.
@@ -104,10 +103,9 @@ impl Gpu {
         if values.is_empty() {
             return self.empty::<T>(what, 1);
         }
-        let contents = bytemuck::cast_slice(values);
-        self.check_size(what, contents.len())?;
-        let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-        Ok(self.device.create_buffer_init(&BufferInitDescriptor { label: Some(what), contents, usage }))
+        let buffer = self.empty::<T>(what, values.len())?;
+        self.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(values));
+        Ok(buffer)
     }
 
     /// Runs what was recorded.
@@ -119,6 +117,16 @@ impl Gpu {
         self.checked()?;
         self.queue.submit([commands]);
         self.checked()
+    }
+
+    /// Waits until all that was submitted is done.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] if something has gone wrong on the device.
+    pub fn wait(&self) -> Result<()> {
+        let waited = self.device.poll(wgpu::PollType::wait_indefinitely());
+        self.checked()?;
+        waited.map(|_| ()).map_err(|e| self.error(&e.to_string()))
     }
 
     /// The first `count` values of `buffer`, when all that was submitted is done.
@@ -138,10 +146,8 @@ impl Gpu {
         self.submit(recording)?;
         let (send, receive) = std::sync::mpsc::channel();
         staging.map_async(wgpu::MapMode::Read, .., move |result| _ = send.send(result));
-        let waited = self.device.poll(wgpu::PollType::wait_indefinitely());
-        self.checked()?;
+        self.wait()?;
         let failed = |why: &dyn std::fmt::Display| self.error(&why.to_string());
-        waited.map_err(|e| failed(&e))?;
         let mapped = receive.recv().map_err(|e| failed(&e))?;
         mapped.map_err(|e| failed(&e))?;
         let bytes = staging.get_mapped_range(..).map_err(|e| failed(&e))?;
@@ -150,7 +156,7 @@ impl Gpu {
 
     /// Begins a list of dispatches.
     pub fn record(&self) -> Recording {
-        Recording::new(&self.device)
+        Recording::new(&self.device, &self.queue)
     }
 
     /// Gives the device up; whatever is asked of it afterwards is an error.
@@ -181,4 +187,15 @@ fn reason(error: &wgpu::Error) -> String {
 /// The value behind a lock; a thread that panicked with it in hand leaves a whole value.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn too_little_memory_is_told_in_plain_words() {
+        let error = wgpu::Error::OutOfMemory { source: "VK_ERROR_OUT_OF_DEVICE_MEMORY".into() };
+        assert!(reason(&error).contains("too little memory"));
+    }
 }

@@ -2,8 +2,9 @@
 
 use super::stage::{Stage, WORKGROUP};
 use bytemuck::Pod;
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
-use wgpu::{BindGroupEntry, Buffer, BufferUsages, CommandBuffer, CommandEncoder, Device};
+use wgpu::{
+    BindGroupEntry, Buffer, BufferDescriptor, BufferUsages, CommandBuffer, CommandEncoder, Device, Queue,
+};
 
 /// Workgroups along one dimension that every adapter takes.
 const MOST_GROUPS: usize = 65535;
@@ -11,13 +12,14 @@ const MOST_GROUPS: usize = 65535;
 /// Dispatches in order; each sees what those before it wrote.
 pub struct Recording {
     device: Device,
+    queue: Queue,
     encoder: CommandEncoder,
 }
 
 impl Recording {
-    pub(super) fn new(device: &Device) -> Self {
+    pub(super) fn new(device: &Device, queue: &Queue) -> Self {
         let encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        Self { device: device.clone(), encoder }
+        Self { device: device.clone(), queue: queue.clone(), encoder }
     }
 
     /// Runs `stage` with at least `invocations` invocations. Binding 0 are the `parameters` (uniform), bindings 1 and on
@@ -40,11 +42,13 @@ impl Recording {
         buffers: &[&Buffer],
         groups: usize,
     ) {
-        let uniform = self.device.create_buffer_init(&BufferInitDescriptor {
+        let uniform = self.device.create_buffer(&BufferDescriptor {
             label: Some(stage.name),
-            contents: bytemuck::bytes_of(parameters),
-            usage: BufferUsages::UNIFORM,
+            size: size_of::<P>() as u64,
+            usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+            mapped_at_creation: false,
         });
+        self.queue.write_buffer(&uniform, 0, bytemuck::bytes_of(parameters));
         let bound = std::iter::once(&uniform).chain(buffers.iter().copied()).zip(0..);
         let entries: Vec<_> = bound
             .map(|(buffer, binding)| BindGroupEntry { binding, resource: buffer.as_entire_binding() })

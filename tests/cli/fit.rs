@@ -42,7 +42,8 @@ fn a_fit_writes_its_report_images_and_pictures() {
     near(&report["derived"]["validity"], 1.6 * 4.0 * 0.004, 1e-3);
     assert_eq!(report["model"], "small-angle");
     assert_eq!(report["filter"], "eq29");
-    assert_eq!(report["backend"], serde_json::json!({ "kind": "cpu", "adapter": null }));
+    assert_eq!(report["backend"]["kind"], "cpu");
+    assert!(report["backend"]["adapter"].is_null());
     assert_eq!(report["fit"]["converged"], true);
     assert_eq!(report["fit"]["pixels"], 48 * 48);
     for key in ["stop", "cost", "reduced_chi2", "iterations", "evaluations", "seconds"] {
@@ -198,12 +199,10 @@ fn a_larger_object_is_seen_in_its_middle_or_at_an_offset() {
 fn what_is_not_built_yet_is_said_with_code_2() {
     let shop = Workshop::new();
     shop.observe(SCENE);
-    for option in ["--backend gpu", "--model wide-angle"] {
-        let run = shop.run(&format!("fit scene.toml --out result {option}"));
-        assert_eq!(run.code, 2, "{option}");
-        assert!(run.stderr.contains("not built yet"), "{}", run.stderr);
-        assert!(!shop.file("result").exists());
-    }
+    let run = shop.run("fit scene.toml --out result --model wide-angle");
+    assert_eq!(run.code, 2);
+    assert!(run.stderr.contains("not built yet"), "{}", run.stderr);
+    assert!(!shop.file("result").exists());
     assert_eq!(shop.run("fit scene.toml --model auto --filter auto --backend auto --out result").code, 0);
 }
 

@@ -3,8 +3,12 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod adapters;
+mod fits;
 mod images;
 mod scenes;
+mod stages;
+mod twins;
 
 use narrowbeam::gpu::Gpu;
 

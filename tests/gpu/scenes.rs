@@ -6,6 +6,10 @@ use narrowbeam::geometry::{Camera, Field, Geometry};
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::relief::Relief;
 
+/// Length of a pixel, and the depth about which a [`Scene::slope`] lies.
+pub const PITCH: f64 = 0.002;
+pub const MEAN_DEPTH: f64 = 2.0;
+
 pub struct Scene {
     pub name: &'static str,
     radiance: Image,
@@ -21,7 +25,7 @@ impl Scene {
         let geometry = Geometry {
             width: size.0,
             height: size.1,
-            camera: Camera::orthographic(0.02).unwrap(),
+            camera: Camera::orthographic(PITCH).unwrap(),
             depth: map(size, depth),
             behind: Vec::new(),
             surface: Field::Uniform(0.0),
@@ -35,6 +39,13 @@ impl Scene {
             relief: None,
             geometry,
         }
+    }
+
+    /// A slope of 15 degrees in `steps` steps.
+    pub fn slope(size: (usize, usize), steps: usize) -> Self {
+        let across = PITCH * 15.0_f64.to_radians().tan() * size.0 as f64;
+        let step = move |x: usize| (x * steps / size.0) as f64 + 0.5;
+        Self::new("slope", size, move |x, _| MEAN_DEPTH + across * (step(x) / steps as f64 - 0.5))
     }
 
     pub fn border(self, border: Border) -> Self {
@@ -88,7 +99,7 @@ fn map(size: (usize, usize), depth: impl Fn(usize, usize) -> f64) -> Field {
 const SIZE: (usize, usize) = (40, 28);
 
 fn slope(x: usize, y: usize) -> f64 {
-    1.5 + 0.012 * x as f64 + 0.004 * y as f64
+    1.5 + 0.0012 * x as f64 + 0.0004 * y as f64
 }
 
 /// A box in front of a slope.

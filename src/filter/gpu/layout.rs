@@ -159,10 +159,12 @@ pub struct Pass {
     pub z: f32,
     /// Extinction coefficient, 1/length.
     pub sigma_t: f32,
+    /// Unit of the derivatives in sigma_s and sigma_a, length.
+    pub unit: f32,
     /// 1 if there are derivatives.
     pub derivatives: u32,
     /// Fills the structure up.
-    pub padding: [u32; 3],
+    pub padding: [u32; 2],
 }
 
 /// Counterpart of `Collect` in shaders/collect.wgsl.
@@ -177,12 +179,16 @@ pub struct Collect {
     pub view_size: [u32; 2],
     /// Extinction coefficient, 1/length.
     pub sigma_t: f32,
+    /// Unit of the derivatives in sigma_s and sigma_a, length.
+    pub unit: f32,
     /// 1 if there are derivatives.
     pub derivatives: u32,
     /// Obliquities collected before this one.
     pub before: u32,
     /// 1 to add direct light.
     pub direct: u32,
+    /// Fills the structure up.
+    pub padding: [u32; 3],
 }
 
 /// Counterpart of `Sums` in shaders/sums.wgsl.
@@ -197,6 +203,10 @@ pub struct Sums {
     pub veil: f32,
     /// 1 if there are derivatives.
     pub derivatives: u32,
+    /// 0, which the shader's compiler must not know.
+    pub zero: u32,
+    /// Fills the structure up.
+    pub padding: [u32; 3],
 }
 
 /// Counterpart of `Total` in shaders/total.wgsl.
@@ -207,6 +217,10 @@ pub struct Total {
     pub groups: u32,
     /// Sums of each.
     pub products: u32,
+    /// 0, which the shader's compiler must not know.
+    pub zero: u32,
+    /// Fills the structure up.
+    pub padding: u32,
 }
 
 /// Products of six images, each pair once.

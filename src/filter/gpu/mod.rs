@@ -27,7 +27,7 @@ use crate::error::Result;
 use crate::gpu::{Gpu, Recording};
 use crate::image::Image;
 use segment::Segment;
-use tables::{Tables, axes};
+use tables::{Tables, Units, axes};
 use wgpu::Buffer;
 
 /// A target prepared on a graphics adapter for many renders.
@@ -92,6 +92,11 @@ impl<'a> GpuFilter<'a> {
         Ok(Self { gpu, plan, canvas, fft, segments, resident })
     }
 
+    /// The device.
+    pub fn gpu(&self) -> &Gpu {
+        self.gpu
+    }
+
     /// How far padding and slices serve the kernels of `optics` too.
     ///
     /// # Errors
@@ -111,12 +116,34 @@ impl<'a> GpuFilter<'a> {
         (images, 2 * images, [self.canvas.fft.width, self.canvas.fft.height])
     }
 
+    /// Bytes that the stages of one render read and write on the device, without and with the derivatives: what no
+    /// rearrangement of the same stages can save. Tables, which stay in caches, do not count.
+    pub fn traffic(&self) -> (usize, usize) {
+        let complex = size_of::<[f32; 2]>();
+        let (canvas, view) = (self.canvas.pixels(), self.plan.target.view.pixels());
+        let source = size_of::<Source>() * self.resident.layout.sheets as usize;
+        let of = |images: usize| {
+            let pairs = images.div_ceil(2) * canvas * complex;
+            let segment = |segment: &Segment| {
+                let spectra: usize = segment.parts.iter().map(|part| part.spectra.size() as usize).sum();
+                let fft = 2 * self.fft.passes() * pairs;
+                // A screen: light from it is read where it is gathered, passed, and transformed once more.
+                let screen = if segment.screen.is_some() { 3 * pairs + canvas * source + fft } else { 0 };
+                spectra + pairs + fft + screen
+            };
+            let once: usize = self.segments.iter().map(segment).sum();
+            let collected = view * (images.div_ceil(2) * complex + source + images * size_of::<f32>());
+            self.plan.obliquities.count() * (once + collected)
+        };
+        (of(1), of(4))
+    }
+
     /// The image through the medium, over the target's view.
     ///
     /// # Errors
     /// As [`Optics::kernel`], and [`Error::Gpu`](crate::Error::Gpu) if the device fails.
     pub fn render(&self, optics: &Optics) -> Result<Image> {
-        self.evaluate(optics, false)?;
+        self.gpu.submit(self.evaluate(optics, false)?)?;
         let (width, height) = (self.plan.target.view.width, self.plan.target.view.height);
         let data = self.gpu.read(&self.resident.planes, width * height)?;
         Ok(Image { width, height, data })
@@ -127,11 +154,13 @@ impl<'a> GpuFilter<'a> {
     /// # Errors
     /// As [`render`](Self::render).
     pub fn render_with_gradient(&self, optics: &Optics) -> Result<super::cpu::Rendering> {
-        self.evaluate(optics, true)?;
+        self.gpu.submit(self.evaluate(optics, true)?)?;
         let (width, height) = (self.plan.target.view.width, self.plan.target.view.height);
         let all: Vec<f32> = self.gpu.read(&self.resident.planes, 4 * width * height)?;
+        let units = self.units(optics).0;
         let plane = |i: usize| {
-            let data = all[i * width * height..(i + 1) * width * height].to_vec();
+            let values = &all[i * width * height..(i + 1) * width * height];
+            let data = values.iter().map(|v| (f64::from(*v) * units[i]) as f32).collect();
             Image { width, height, data }
         };
         Ok(super::cpu::Rendering { image: plane(0), gradient: Some([plane(1), plane(2), plane(3)]) })
@@ -158,38 +187,50 @@ impl<'a> GpuFilter<'a> {
         [gain, veil]: [f64; 2],
         derivatives: bool,
     ) -> Result<[[f64; 6]; 6]> {
-        self.evaluate(optics, derivatives)?;
+        let mut recording = self.evaluate(optics, derivatives)?;
         let view = self.plan.target.view;
         let parameters = Sums {
             pixels: view.pixels() as u32,
             gain: gain as f32,
             veil: veil as f32,
             derivatives: u32::from(derivatives),
+            zero: 0,
+            padding: [0; 3],
         };
         let partial = self.gpu.empty::<[f32; 2]>("partial sums", SUMMING_GROUPS * PRODUCTS)?;
         let whole = self.gpu.empty::<[f32; 2]>("sums", PRODUCTS)?;
-        let total = Total { groups: SUMMING_GROUPS as u32, products: PRODUCTS as u32 };
-        let mut recording = self.gpu.record();
+        let total = Total { groups: SUMMING_GROUPS as u32, products: PRODUCTS as u32, zero: 0, padding: 0 };
         let (sums_stage, total_stage) = (self.gpu.stage(&shaders::SUMS), self.gpu.stage(&shaders::TOTAL));
         let read = [&self.resident.planes, &observation.pixels, &partial];
         recording.dispatch_groups(&sums_stage, &parameters, &read, SUMMING_GROUPS);
         recording.dispatch_groups(&total_stage, &total, &[&partial, &whole], 1);
         self.gpu.submit(recording)?;
         let sums: Vec<[f32; 2]> = self.gpu.read(&whole, PRODUCTS)?;
+        let [m, s, a, b] = self.units(optics).0;
+        let units = [m, s, a, b, 1.0, 1.0];
         let mut all = [[0.0; 6]; 6];
         let pairs = (0..6).flat_map(|i| (0..=i).map(move |j| (i, j)));
         for ((i, j), [high, low]) in pairs.zip(sums) {
-            all[i][j] = f64::from(high) + f64::from(low);
+            all[i][j] = (f64::from(high) + f64::from(low)) * units[i] * units[j];
             all[j][i] = all[i][j];
         }
         Ok(all)
     }
 
-    /// Leaves the image, and its derivatives if they are wanted, in the resident planes.
-    fn evaluate(&self, optics: &Optics, derivatives: bool) -> Result<()> {
+    fn units(&self, optics: &Optics) -> Units {
+        Units::new(self.plan.farthest(), optics.phase.planar_width())
+    }
+
+    /// Records what leaves the image, and its derivatives if they are wanted, in the resident planes. Where light passes
+    /// screens or obliquities are many, all but the last step is submitted already.
+    fn evaluate(&self, optics: &Optics, derivatives: bool) -> Result<Recording> {
+        let mut last: Option<Recording> = None;
         for (before, (obliquity, _)) in self.plan.obliquities.iter().enumerate() {
             let mut carried = None;
             for segment in self.segments.iter().rev() {
+                if let Some(before) = last.take() {
+                    self.gpu.submit(before)?;
+                }
                 let mut recording = self.gpu.record();
                 let screen = segment.screen.as_ref().map(|s| s.node);
                 let way = Way::new(
@@ -199,7 +240,13 @@ impl<'a> GpuFilter<'a> {
                     screen,
                     (optics, obliquity),
                 )?;
-                self.gather(&mut recording, segment, &Tables::new(&way), carried.is_some(), derivatives)?;
+                self.gather(
+                    &mut recording,
+                    segment,
+                    &Tables::new(&way, &self.units(optics)),
+                    carried.is_some(),
+                    derivatives,
+                )?;
                 let which: &[usize] = if derivatives { &[0, 1] } else { &[0] };
                 let mut pairs = self.resident.pairs.borrow_mut();
                 self.fft.record(&mut recording, &mut pairs, which, true);
@@ -209,11 +256,11 @@ impl<'a> GpuFilter<'a> {
                 } else {
                     self.collect(&mut recording, optics, &pairs, before, derivatives);
                 }
-                self.gpu.submit(recording)?;
+                last = Some(recording);
                 carried = screen;
             }
         }
-        Ok(())
+        Ok(last.unwrap_or_else(|| self.gpu.record()))
     }
 
     fn gather(
@@ -245,6 +292,10 @@ impl<'a> GpuFilter<'a> {
             let buffers = [&records, &entries, &self.resident.axes, &part.spectra, &pairs[0], &pairs[1]];
             let groups = part.columns * (height / 2 + 1).div_ceil(64);
             recording.dispatch_groups(&self.gpu.stage(&shaders::GATHER), &parameters, &buffers, groups);
+            if part.begin + part.columns < self.canvas.fft.half_width() {
+                // One part is short enough for a watchdog; several need not be.
+                self.gpu.submit(std::mem::replace(recording, self.gpu.record()))?;
+            }
         }
         Ok(())
     }
@@ -264,8 +315,9 @@ impl<'a> GpuFilter<'a> {
             bit: 1 << (segment.passed - 1),
             z: screen.node.z as f32,
             sigma_t: optics.medium.sigma_t() as f32,
+            unit: self.plan.farthest() as f32,
             derivatives: u32::from(derivatives),
-            padding: [0; 3],
+            padding: [0; 2],
         };
         let buffers = [&self.resident.sources, &self.resident.opaque, &pairs[0], &pairs[1]];
         recording.dispatch(&self.gpu.stage(&shaders::PASS), &parameters, &buffers, self.canvas.pixels());
@@ -285,9 +337,11 @@ impl<'a> GpuFilter<'a> {
             view: [view.x as u32, view.y as u32],
             view_size: [view.width as u32, view.height as u32],
             sigma_t: optics.medium.sigma_t() as f32,
+            unit: self.plan.farthest() as f32,
             derivatives: u32::from(derivatives),
             before: before as u32,
             direct: u32::from(before == 0),
+            padding: [0; 3],
         };
         let Resident { sources, weights, planes, .. } = &self.resident;
         let buffers = [sources, weights, &pairs[0], &pairs[1], planes];

@@ -29,6 +29,9 @@ pub(super) struct Gate {
     pub node: Node,
 }
 
+/// Bytes of the largest part: even a slow adapter gathers it in a tenth of a second, well within a watchdog's patience.
+const LARGEST_PART: usize = 128 << 20;
+
 /// Some columns of all spectra: for each column the slices, then their slope terms.
 pub(super) struct Part {
     pub begin: usize,
@@ -121,7 +124,8 @@ impl Part {
         let (half, height) = (canvas.fft.half_width(), canvas.fft.height);
         let column = planes.max(1) * height * size_of::<[f32; 2]>();
         gpu.check_size("a column of the slices", column)?;
-        let most = (gpu.adapter().most_bytes as usize / column).clamp(1, half);
+        let bytes = (gpu.adapter().most_bytes as usize).min(LARGEST_PART);
+        let most = (bytes / column).clamp(1, half);
         let part = |begin: usize| {
             let columns = most.min(half - begin);
             let spectra = gpu.empty::<[f32; 2]>("the slices", columns * planes * height)?;

@@ -36,8 +36,36 @@ pub(super) struct Tables {
     pub scale: (u32, f32),
 }
 
+/// Units of the image and its derivatives on the device, chosen so that all four are of like size: two are transformed
+/// as one complex image, and the roundings of one are noise in the other.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Units(pub [f64; 4]);
+
+impl Units {
+    /// For path lengths up to `z`, length, and a lobe of `width`, rad.
+    pub(super) fn new(z: f64, width: f64) -> Self {
+        Self([1.0, z, z, 1.0 / (width * width)])
+    }
+
+    fn apply(&self, value: &Lanes) -> Lanes {
+        std::array::from_fn(|c| (f64::from(value[c]) / self.0[c]) as f32)
+    }
+}
+
 impl Tables {
-    pub(super) fn new(way: &Way) -> Self {
+    pub(super) fn new(way: &Way, units: &Units) -> Self {
+        let mut tables = Self::collected(way);
+        for lanes in tables.entries.iter_mut() {
+            *lanes = units.apply(lanes);
+        }
+        for record in &mut tables.records {
+            record.direct = units.apply(&record.direct);
+            record.unscattered = units.apply(&record.unscattered);
+        }
+        tables
+    }
+
+    fn collected(way: &Way) -> Self {
         let mut tables = Self { records: Vec::new(), entries: Vec::new(), scale: (0, 0.0) };
         let own = way.divisor.as_ref().map(|d| &d.own);
         for transfer in way.transfers.iter().chain(&way.farther).chain(own) {

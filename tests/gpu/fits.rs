@@ -1,0 +1,119 @@
+//! Fits on the device give what fits on the CPU do.
+
+use crate::common::with_noise;
+use crate::gpu;
+use crate::scenes::Scene;
+use narrowbeam::filter::cpu::CpuFilter;
+use narrowbeam::filter::{Backend, Filter, Optics};
+use narrowbeam::fit::scenes::fit_scenes;
+use narrowbeam::fit::{ChannelFit, Datum, NAMES, Settings, VeilTerm, fit_channel};
+use narrowbeam::image::Image;
+use narrowbeam::medium::Medium;
+use narrowbeam::phase::Gaussian;
+use narrowbeam::scene::{FitOptions, Gain, Purpose, Scene as SceneFile};
+use narrowbeam::spread::Model;
+use std::path::Path;
+
+/// What a fit was made with: sigma_s, sigma_a (1/length), B (rad²), gain and veil.
+const TRUTH: [f64; 3] = [0.8, 0.1, 2e-5];
+const GAIN: f32 = 1.7;
+const VEIL: f32 = 0.05;
+
+fn observed(scene: &Scene) -> Image {
+    let phase = Gaussian::new(TRUTH[2]).unwrap();
+    let medium = Medium::new(TRUTH[0], TRUTH[1]).unwrap();
+    let optics = Optics { model: Model::SmallAngle, medium, phase: &phase };
+    let mut image = CpuFilter::new(scene.target(), &optics, 1.0).unwrap().render(&optics).unwrap();
+    image.data.iter_mut().for_each(|v| *v = GAIN * *v + VEIL);
+    with_noise(&image, 0.005, 3)
+}
+
+/// The estimates of both backends, which must agree to a hundredth of a standard error: the solver stops there.
+fn assert_same(name: &str, cpu: &ChannelFit, device: &ChannelFit) {
+    for (i, parameter) in NAMES.into_iter().enumerate() {
+        let (a, b) = (cpu.parameters.values()[i], device.parameters.values()[i]);
+        let error = cpu.uncertainty.std_error(i).unwrap() * if i == 1 { 1.0 } else { a };
+        let off = (a - b).abs() / error;
+        println!("{name:28} {parameter:8} {a:.6} {b:.6} {off:.1e} standard errors apart");
+        assert!(off < 0.02, "{name}, {parameter}: {off} standard errors");
+    }
+    assert!((cpu.reduced_chi2 / device.reduced_chi2 - 1.0).abs() < 1e-4);
+    assert_eq!(cpu.pixels, device.pixels);
+}
+
+#[test]
+fn fits_equal_those_of_the_cpu() {
+    let mask = Image::from_fn(96, 64, |x, y| if (x / 8 + y / 8) % 5 == 0 { 0.0 } else { 1.0 });
+    let cases = [
+        ("a plane, all free", Scene::new("plane", (96, 64), |_, _| 2.0), None, VeilTerm::Fixed(0.05)),
+        ("a slope, masked", Scene::slope((96, 64), 96).composite(), Some(&mask), VeilTerm::Free),
+    ];
+    for (name, scene, mask, veil) in &cases {
+        let image = observed(scene);
+        let datum = Datum {
+            target: scene.target(),
+            observed: &image,
+            mask: *mask,
+            hidden_share_max: 0.01,
+            noise: None,
+            gain: if mask.is_some() { Gain::Free } else { Gain::Fixed(f64::from(GAIN)) },
+            veil: *veil,
+        };
+        let fit = |backend| {
+            let settings = Settings { backend, ..Settings::default() };
+            fit_channel(&[datum], &FitOptions::default(), &settings).unwrap()
+        };
+        assert_same(name, &fit(Backend::Cpu), &fit(Backend::Gpu(gpu())));
+    }
+}
+
+#[test]
+fn a_fit_of_another_image_is_told_apart() {
+    let scene = Scene::new("plane", (64, 64), |_, _| 2.0);
+    let image = observed(&scene);
+    let other = Image { data: image.data.iter().map(|v| 0.999 * v).collect(), ..image.clone() };
+    let fit = |observed| {
+        let datum = Datum {
+            target: scene.target(),
+            observed,
+            mask: None,
+            hidden_share_max: 0.01,
+            noise: None,
+            gain: Gain::Fixed(f64::from(GAIN)),
+            veil: VeilTerm::Fixed(f64::from(VEIL)),
+        };
+        fit_channel(&[datum], &FitOptions::default(), &Settings::default()).unwrap()
+    };
+    let (right, wrong) = (fit(&image), fit(&other));
+    assert!(std::panic::catch_unwind(|| assert_same("a thousandth darker", &right, &wrong)).is_err());
+}
+
+fn dataset(name: &str) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("datasets").join(name).join("scene.toml");
+    let scene = SceneFile::read(&path, Purpose::Fit).unwrap();
+    let fit = |backend| {
+        let settings = Settings { backend, ..Settings::default() };
+        fit_scenes(std::slice::from_ref(&scene), &settings, Filter::Auto).unwrap()
+    };
+    let (cpu, device) = (fit(Backend::Cpu), fit(Backend::Gpu(gpu())));
+    assert_eq!(device.report.backend["kind"], "gpu");
+    for ((_, cpu), (_, device)) in cpu.channels.iter().zip(&device.channels) {
+        assert_same(name, cpu, device);
+    }
+}
+
+/// What the CPU recovers within the tolerances of tests/recovery_datasets.rs, the device then recovers too.
+#[test]
+fn bundled_depth_maps_give_the_same_on_both_backends() {
+    for name in ["mitsuba-slope", "traced-slope"] {
+        dataset(name);
+    }
+}
+
+#[test]
+#[ignore = "4 minutes on a software adapter; cargo test --release --test gpu staged -- --ignored --nocapture"]
+fn staged_depth_maps_give_the_same_on_both_backends() {
+    for name in ["mitsuba-planes", "mitsuba-tilt", "mitsuba-stage"] {
+        dataset(name);
+    }
+}

@@ -1,0 +1,45 @@
+//! Twin of shaders/sums.wgsl.
+
+use super::two_sum::{join, plus};
+use narrowbeam::filter::gpu::{PRODUCTS, Sums};
+
+const WORKGROUP: usize = 64;
+
+/// The sums of each of `groups` workgroups.
+pub fn sums(sums: &Sums, planes: &[f32], observed: &[[f32; 2]], groups: usize) -> Vec<[f32; 2]> {
+    let pixels = sums.pixels as usize;
+    let mut partial = Vec::new();
+    for group in 0..groups {
+        let mut shared = [[[0.0; 2]; PRODUCTS]; WORKGROUP];
+        for (within, mine) in shared.iter_mut().enumerate() {
+            for at in (group * WORKGROUP + within..pixels).step_by(groups * WORKGROUP) {
+                let here = observed[at];
+                if here[1] == 0.0 {
+                    continue;
+                }
+                let image = planes[at];
+                let mut all = [image, 0.0, 0.0, 0.0, sums.gain * image + sums.veil - here[0], 1.0];
+                if sums.derivatives == 1 {
+                    for c in 1..4 {
+                        all[c] = planes[c * pixels + at];
+                    }
+                }
+                let mut product = 0;
+                for i in 0..6 {
+                    for j in 0..=i {
+                        mine[product] = plus(mine[product], all[i] * all[j]);
+                        product += 1;
+                    }
+                }
+            }
+        }
+        for half in [32, 16, 8, 4, 2, 1] {
+            for within in 0..half {
+                let other = shared[within + half];
+                shared[within].iter_mut().zip(other).for_each(|(mine, other)| *mine = join(*mine, other));
+            }
+        }
+        partial.extend(shared[0]);
+    }
+    partial
+}
