@@ -2,7 +2,7 @@
 
 use crate::common::{pixels, relative_l2};
 use crate::scenes::{B, EMPTY, SIZE, Scene, optics};
-use narrowbeam::filter::{Filter, Optics, hidden_share};
+use narrowbeam::filter::{Backend, Filter, Optics, hidden_share};
 use narrowbeam::geometry::Field;
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::Gaussian;
@@ -19,7 +19,7 @@ fn minus(a: Vec<f64>, b: Vec<f64>) -> Vec<f64> {
 
 /// The scene's hidden share.
 fn hidden(scene: &Scene, optics: &Optics) -> Vec<f64> {
-    pixels(&hidden_share(&scene.target(Filter::Composite), optics).unwrap()).collect()
+    pixels(&hidden_share(&scene.target(Filter::Composite), optics, Backend::Cpu).unwrap()).collect()
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The composite filter against traced light, where it holds and where theory says that it errs.
 
 use crate::scenes::Scene;
-use narrowbeam::filter::{Filter, Optics, hidden_share};
+use narrowbeam::filter::{Backend, Filter, Optics, hidden_share};
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::Gaussian;
@@ -78,7 +78,7 @@ fn two_half_planes_are_rendered_as_traced() {
     scene.border = Border::Mirror;
     let view = View::whole(width, height);
     let traced = trace(&scene, medium, &phase, view, 600);
-    let hidden = hidden_share(&scene.target(Filter::Composite), &optics).unwrap();
+    let hidden = hidden_share(&scene.target(Filter::Composite), &optics, Backend::Cpu).unwrap();
     let images = [Filter::Composite, Filter::Eq29].map(|f| (f, scene.fast(f, &optics)));
     println!("pixels              filter      chi²/n   off, % of the mean");
     let measured = [("all", f32::INFINITY), ("hidden share ≤ 1 %", 0.01)].map(|(which, most)| {
@@ -107,7 +107,7 @@ fn where_the_composite_filter_errs() {
     let optics = Optics { model: Model::SmallAngle, medium, phase: &phase_10 };
     let scene = Scene::new((width, height), 0.05, |x, _| if x < 48 { 1.0 } else { 2.5 }).white();
     let traced = trace(&scene, medium, &phase_10, View::whole(width, height), 10_000);
-    let hidden = hidden_share(&scene.target(Filter::Composite), &optics).unwrap();
+    let hidden = hidden_share(&scene.target(Filter::Composite), &optics, Backend::Cpu).unwrap();
     let [composite, eq29] = [Filter::Composite, Filter::Eq29].map(|f| scene.fast(f, &optics));
     for x in [24, 32, 38, 42, 44, 45, 46, 47, 48, 49, 50, 51, 53, 57, 63, 71] {
         let column =

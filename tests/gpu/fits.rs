@@ -4,6 +4,7 @@ use crate::common::with_noise;
 use crate::gpu;
 use crate::scenes::Scene;
 use narrowbeam::filter::cpu::CpuFilter;
+use narrowbeam::filter::gpu::GpuFilter;
 use narrowbeam::filter::{Backend, Filter, Optics};
 use narrowbeam::fit::scenes::fit_scenes;
 use narrowbeam::fit::{ChannelFit, Datum, NAMES, Settings, VeilTerm, fit_channel};
@@ -86,6 +87,51 @@ fn a_fit_of_another_image_is_told_apart() {
     };
     let (right, wrong) = (fit(&image), fit(&other));
     assert!(std::panic::catch_unwind(|| assert_same("a thousandth darker", &right, &wrong)).is_err());
+}
+
+/// The sums of one evaluation over a square depth map of `side` pixels.
+fn evaluation(side: usize) {
+    let scene = Scene::slope((side, side), side).composite();
+    let phase = Gaussian::new(TRUTH[2]).unwrap();
+    let optics =
+        Optics { model: Model::SmallAngle, medium: Medium::new(TRUTH[0], TRUTH[1]).unwrap(), phase: &phase };
+    let cpu = CpuFilter::new(scene.target(), &optics, 1.0).unwrap().render_with_gradient(&optics).unwrap();
+    let observed = with_noise(&cpu.image, 0.005, 4);
+    let filter = GpuFilter::new(gpu(), scene.target(), &optics, 1.0).unwrap();
+    let observation = filter.observe(observed.data.iter().map(|&y| (y, true))).unwrap();
+    let device = filter.products(&optics, &observation, [1.0, 0.0], true).unwrap();
+    let [s, a, b] = cpu.gradient.unwrap();
+    let value = |image: &Image, at: usize| f64::from(image.data[at]);
+    let images = |at: usize| {
+        let m = value(&cpu.image, at);
+        [m, value(&s, at), value(&a, at), value(&b, at), m - value(&observed, at), 1.0]
+    };
+    let mut exact = [[0.0; 6]; 6];
+    for at in 0..side * side {
+        let all = images(at);
+        (0..6).for_each(|i| (0..6).for_each(|j| exact[i][j] += all[i] * all[j]));
+    }
+    let mut worst: f64 = 0.0;
+    for i in 0..6 {
+        for j in 0..6 {
+            let size = (exact[i][i] * exact[j][j]).sqrt();
+            worst = worst.max((device[i][j] - exact[i][j]).abs() / size);
+        }
+    }
+    println!("{side}x{side}: sums apart by {worst:.1e} of the norms of the two images");
+    // The images are 1e-6 apart, the residual, a 200th of them, is off by that 200-fold.
+    assert!(worst < 2e-4, "{side}: {worst}");
+}
+
+#[test]
+fn one_evaluation_equals_that_of_the_cpu() {
+    [256, 512].into_iter().for_each(evaluation);
+}
+
+#[test]
+#[ignore = "2 minutes on a software adapter; cargo test --release --test gpu larger -- --ignored --nocapture"]
+fn one_larger_evaluation_equals_that_of_the_cpu() {
+    [1024, 2048].into_iter().for_each(evaluation);
 }
 
 fn dataset(name: &str) {

@@ -112,12 +112,12 @@ fn row(what: &str, width_px: f64, [gpu, cpu, energy]: [f64; 3]) {
 fn images_equal_the_definition_at_every_kernel_width() {
     println!("reference                        width/px   gpu     cpu     gpu's total light");
     let medium = Medium::new(0.8, 0.1).unwrap();
-    for width_px in [0.05, 0.3, 1.0, 4.0] {
+    for width_px in [0.05, 1.0, 4.0] {
         let phase = width(width_px);
         let optics = Optics { model: Model::SmallAngle, medium, phase: &phase };
-        let scene = Scene::slope((48, 40), 48);
+        let scene = Scene::slope((32, 24), 32);
         let exact = direct_sum::render(&scene.target(), &optics).unwrap();
-        row("direct sum, f64, 48x40 slope", width_px, against(&scene, &optics, &exact));
+        row("direct sum, f64, 32x24 slope", width_px, against(&scene, &optics, &exact));
     }
     for width_px in [0.3, 2.0, 16.0] {
         let phase = width(width_px);
@@ -125,9 +125,9 @@ fn images_equal_the_definition_at_every_kernel_width() {
         let scene = Scene::slope((128, 96), 12);
         let exact = per_depth::render(&scene.target(), &optics).unwrap();
         row("per depth, f64, 128x96 slope", width_px, against(&scene, &optics, &exact));
-        let scene = Scene::slope((40, 28), 40).composite();
+        let scene = Scene::slope((24, 16), 24).composite();
         let exact = composite_sum::render(&scene.target(), &optics).unwrap();
-        row("composite sum, f64, 40x28 slope", width_px, against(&scene, &optics, &exact));
+        row("composite sum, f64, 24x16 slope", width_px, against(&scene, &optics, &exact));
     }
 }
 
