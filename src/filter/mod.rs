@@ -14,7 +14,9 @@
 //! Border: outside the object image there is nothing (`zero`), the outermost pixel (`clamp`, as far as the kernel
 //! reaches) or the mirrored image, periodically (`mirror`).
 
+pub mod basis;
 mod bend;
+pub mod blur;
 mod canvas;
 mod chebyshev;
 pub mod composite_sum;
@@ -23,6 +25,7 @@ pub mod direct_sum;
 mod fft2;
 pub mod footprint;
 mod hidden;
+pub mod ladder;
 mod obliquity;
 pub mod per_depth;
 mod segment;

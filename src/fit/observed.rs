@@ -91,8 +91,15 @@ impl<'a> Observed<'a> {
         self.pixels.len()
     }
 
+    /// The observed value of every pixel of the view that counts, known veil taken off.
+    pub(super) fn values(&self) -> Vec<Option<f32>> {
+        let mut values = vec![None; self.counts.len()];
+        self.pixels.iter().for_each(|&(i, y)| values[i as usize] = Some(y));
+        values
+    }
+
     /// Gain and veil as given, 1 and 0 where they are free.
-    fn given_exposure(&self) -> Vector2<f64> {
+    pub(super) fn given_exposure(&self) -> Vector2<f64> {
         let Gain::Fixed(gain) = self.datum.gain else { return Vector2::new(1.0, 0.0) };
         Vector2::new(gain, 0.0)
     }

@@ -7,11 +7,13 @@
 //! wide kernel carries out of the view lowers the level as absorption does, so each trial has its own absorption.
 
 use super::datum::{Datum, VeilTerm};
+use super::equations::Products;
 use super::observed::Observed;
-use super::{Parameters, Settings, with_optics};
+use super::sums::Sums;
+use super::{Parameters, Problem, Settings, Source, solver, with_optics};
 use crate::error::Result;
-use crate::filter::Target;
 use crate::filter::cpu::CpuFilter;
+use crate::filter::{Optics, Target};
 use crate::scene::{FitOptions, Gain};
 
 /// Blur widths tried, as shares of the view's smaller side.
@@ -23,6 +25,59 @@ const TAU: (f64, f64) = (0.1, 8.0);
 /// Slices are few and padding half an image: a start need not be exact.
 const SLICES: usize = 5;
 
+/// Blur widths and factors on the scattering depth tried where a trial costs nothing.
+const MANY_WIDTHS: [f64; 12] = [0.002, 0.005, 0.01, 0.017, 0.025, 0.04, 0.06, 0.09, 0.14, 0.2, 0.3, 0.5];
+const MANY_DEPTHS: [f64; 5] = [0.5, 1.0, 1.6, 2.5, 4.0];
+
+/// The best that a [`search`] has found.
+pub(super) struct Search {
+    /// Where it began, and the optimum; `None` if the sums cannot tell of the medium there.
+    pub best: Option<([f64; 3], Parameters)>,
+    /// Evaluations by sums.
+    pub evaluations: u64,
+}
+
+/// The best of the optima that sums find from the automatic start and from kernels wider than the view, or from the
+/// values that the user starts with.
+pub(super) fn search(
+    parameters: &Parameters,
+    options: &FitOptions,
+    (data, observed, sums): (&[Datum], &[Observed], &[Sums]),
+    settings: &Settings,
+    median_z: f64,
+) -> Result<Search> {
+    let mut starts = vec![parameters.clone()];
+    let trials = (&MANY_WIDTHS[..], &MANY_DEPTHS[..]);
+    let scan = Scan { data, observed, settings, median_z };
+    let mut evaluations = scan.best(&mut starts[0], options, trials, |i, optics| sums[i].products(optics))?;
+    if settings.model.spreads() && options.start == [None; 3] {
+        for width in BEYOND_THE_VIEW {
+            let mut wide = parameters.clone();
+            place(&mut wide, data, width, median_z);
+            starts.push(wide);
+        }
+    }
+    let mut least = f64::INFINITY;
+    let mut best = None;
+    for start in starts {
+        let outcome = solver::run(Problem::new(Source::Sums(sums), observed, &start, settings), settings)?;
+        evaluations += outcome.evaluations;
+        if outcome.equations.cost < least {
+            least = outcome.equations.cost;
+            let mut found = start.clone();
+            found.set_internal(&outcome.point);
+            best = Some((start.values(), found));
+        }
+    }
+    let serve = |found: &Parameters| {
+        with_optics(found, settings.model, |optics| {
+            sums.iter().try_fold(true, |all, sums| Ok(all && sums.serves(optics)?))
+        })
+    };
+    let served = best.as_ref().map_or(Ok(false), |(_, found)| serve(found))?;
+    Ok(Search { best: best.filter(|_| served), evaluations })
+}
+
 /// Chooses the values that the user has neither fixed nor started; returns the number of renders.
 pub(super) fn choose(
     parameters: &mut Parameters,
@@ -32,53 +87,82 @@ pub(super) fn choose(
     settings: &Settings,
     median_z: f64,
 ) -> Result<u64> {
-    let Split { sigma_s, sigma_a } = Split::mean(data, median_z);
-    let open: [bool; 3] = std::array::from_fn(|i| options.start[i].is_none() && !parameters.is_fixed(i));
-    let model = settings.model;
-    let (scan_depth, scan_width) = (open[0] && model.spreads(), open[2]);
-    for (i, value) in [(0, sigma_s), (1, sigma_a)] {
-        if open[i] {
-            parameters.set(i, value);
+    let mut filters = Vec::new();
+    let scan = Scan { data, observed, settings, median_z };
+    scan.best(parameters, options, (&WIDTHS, &DEPTHS), |i, optics| {
+        if filters.is_empty() {
+            filters.extend(data.iter().map(|d| {
+                let target = Target { relief: None, ..d.target };
+                CpuFilter::with_slices(target, SLICES, 0.5 * view_side_px(d))
+            }));
         }
-    }
-    if !scan_width && !scan_depth {
-        return Ok(0);
-    }
-    let widths: Vec<f64> = if scan_width {
-        WIDTHS.map(|share| b_of_view_share(share, &data[0], median_z)).to_vec()
-    } else {
-        vec![parameters.values()[2]]
-    };
-    let depths: &[f64] = if scan_depth { &DEPTHS } else { &[1.0] };
-    let filters: Vec<CpuFilter> = data
-        .iter()
-        .map(|d| CpuFilter::with_slices(Target { relief: None, ..d.target }, SLICES, 0.5 * view_side_px(d)))
-        .collect();
-    let first = parameters.clone();
-    let mut best = f64::INFINITY;
-    let mut renders = 0;
-    for &depth in depths {
-        for &b in &widths {
-            let mut trial = first.clone();
-            trial.set(0, first.values()[0] * depth);
-            trial.set(2, b);
-            let mut level = Level::default();
-            for ((filter, observed), datum) in filters.iter().zip(observed).zip(data) {
-                let image = with_optics(&trial, model, |optics| filter.render(optics))?;
-                level.add(observed.levels(&observed.products(&image, None)), datum.gain);
-                renders += 1;
-                (settings.progress)();
-            }
-            let brightest = if open[1] { (trial.values()[1] * median_z).exp() } else { 1.0 };
-            let scale = if open[1] { level.best_scale().clamp(1.0 / DARKEST, brightest) } else { 1.0 };
-            if level.cost(scale) < best {
-                best = level.cost(scale);
-                trial.set(1, trial.values()[1] - scale.ln() / median_z);
-                *parameters = trial;
+        let products = observed[i].products(&filters[i].render(optics)?, None);
+        (settings.progress)();
+        Ok(products)
+    })
+}
+
+/// What trials are compared with.
+struct Scan<'s> {
+    data: &'s [Datum<'s>],
+    observed: &'s [Observed<'s>],
+    settings: &'s Settings<'s>,
+    median_z: f64,
+}
+
+impl Scan<'_> {
+    /// Sets the values that the user has neither fixed nor started to the best of all trials of `widths` and `depths`;
+    /// `products` tells what a scene makes of a trial. Returns how often it was asked.
+    fn best(
+        &self,
+        parameters: &mut Parameters,
+        options: &FitOptions,
+        (widths, depths): (&[f64], &[f64]),
+        mut products: impl FnMut(usize, &Optics) -> Result<Products>,
+    ) -> Result<u64> {
+        let Self { data, observed, settings, median_z } = *self;
+        let Split { sigma_s, sigma_a } = Split::mean(data, median_z);
+        let open: [bool; 3] = std::array::from_fn(|i| options.start[i].is_none() && !parameters.is_fixed(i));
+        let (scan_depth, scan_width) = (open[0] && settings.model.spreads(), open[2]);
+        for (i, value) in [(0, sigma_s), (1, sigma_a)] {
+            if open[i] {
+                parameters.set(i, value);
             }
         }
+        if !scan_width && !scan_depth {
+            return Ok(0);
+        }
+        let widths: Vec<f64> = if scan_width {
+            widths.iter().map(|&share| b_of_view_share(share, &data[0], median_z)).collect()
+        } else {
+            vec![parameters.values()[2]]
+        };
+        let depths = if scan_depth { depths } else { &[1.0] };
+        let first = parameters.clone();
+        let mut best = f64::INFINITY;
+        let mut asked = 0;
+        for &depth in depths {
+            for &b in &widths {
+                let mut trial = first.clone();
+                trial.set(0, first.values()[0] * depth);
+                trial.set(2, b);
+                let mut level = Level::default();
+                for (i, (observed, datum)) in observed.iter().zip(data).enumerate() {
+                    let products = with_optics(&trial, settings.model, |optics| products(i, optics))?;
+                    level.add(observed.levels(&products), datum.gain);
+                    asked += 1;
+                }
+                let brightest = if open[1] { (trial.values()[1] * median_z).exp() } else { 1.0 };
+                let scale = if open[1] { level.best_scale().clamp(1.0 / DARKEST, brightest) } else { 1.0 };
+                if level.cost(scale) < best {
+                    best = level.cost(scale);
+                    trial.set(1, trial.values()[1] - scale.ln() / median_z);
+                    *parameters = trial;
+                }
+            }
+        }
+        Ok(asked)
     }
-    Ok(renders)
 }
 
 /// Widths of kernels wider than the view to begin from where narrower ones failed, in views.

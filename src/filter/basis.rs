@@ -1,0 +1,137 @@
+//! The images of which every render of a target is a linear combination: I = sum_c a_c(sigma_s, sigma_a, B) E_c.
+//!
+//! The object weighted for each depth slice ([`slices`](super::slices)) and blurred by each width of the
+//! [`ladder`](super::ladder). The first width is 0: its image carries the slice's direct light too. So it is as long as
+//! parallel rays see a scene in which every pixel's light spreads freely.
+
+use super::blur::{Blur, Lane, STRIP};
+use super::ladder::Ladder;
+use super::slices::Slices;
+use super::sources::sheets;
+use super::{Optics, Target};
+use crate::error::Result;
+use crate::geometry::Camera;
+use crate::image::View;
+use crate::spread::Dual;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Slices of a depth map. Fewer than a render has: what is found with them is confirmed by renders.
+const SLICES: usize = 6;
+/// Largest width in units of the object's larger side: a kernel of three sides is told from wider ones by its level
+/// alone.
+const WIDEST: f64 = 4.0;
+
+/// The images of one target, not yet computed.
+pub struct Basis<'a> {
+    target: Target<'a>,
+    slices: Slices,
+    ladder: Ladder,
+    /// The object weighted for each slice, row-major.
+    planes: Vec<Vec<f32>>,
+}
+
+impl<'a> Basis<'a> {
+    /// The images of `target`; `None` if screens, slopes or rays off the axis make its renders another sum than this.
+    pub fn new(target: Target<'a>) -> Option<Self> {
+        let parallel = matches!(target.geometry.camera, Camera::Orthographic { .. });
+        let free = target.relief.is_none_or(|relief| relief.is_flat());
+        if !(parallel && free) {
+            return None;
+        }
+        let sheet = sheets(&Target { relief: None, ..target }).swap_remove(0);
+        let nodes: Vec<_> = sheet.iter().flatten().map(|source| source.node).collect();
+        let slices = Slices::new(0.0, &nodes, SLICES);
+        let mut planes = vec![vec![0.0; sheet.len()]; slices.nodes.len()];
+        for (i, source) in sheet.iter().enumerate() {
+            if let Some(source) = source {
+                for (plane, weight) in planes.iter_mut().zip(slices.weights(source.node)) {
+                    plane[i] = weight as f32 * source.light;
+                }
+            }
+        }
+        let side = target.radiance.width.max(target.radiance.height);
+        Some(Self { target, slices, ladder: Ladder::new(WIDEST * side as f64), planes })
+    }
+
+    /// Number of images.
+    pub fn len(&self) -> usize {
+        self.planes.len() * self.ladder.widths().len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The weight a_c of every image in a render.
+    ///
+    /// # Errors
+    /// As [`Optics::kernel`].
+    pub fn weights(&self, optics: &Optics) -> Result<Vec<Dual>> {
+        let mut all = Vec::with_capacity(self.len());
+        for node in &self.slices.nodes {
+            let kernel = optics.kernel(node.z)?;
+            let direct = all.len();
+            all.extend(self.ladder.weights(&*kernel, node.pitch));
+            all[direct] = all[direct] + kernel.direct();
+        }
+        Ok(all)
+    }
+
+    /// Largest error of the ladder's transfer functions, relative to the scattered light.
+    ///
+    /// # Errors
+    /// As [`Optics::kernel`].
+    pub fn error(&self, optics: &Optics) -> Result<f64> {
+        let error = |worst: f64, node: &super::slices::Node| {
+            Ok(worst.max(self.ladder.error(&*optics.kernel(node.z)?, node.pitch)))
+        };
+        self.slices.nodes.iter().try_fold(0.0, error)
+    }
+
+    /// Makes the images ready to be computed.
+    pub fn images(&self) -> Images<'_> {
+        let target = &self.target;
+        let size = [target.radiance.width, target.radiance.height];
+        let each = |i: usize| {
+            let widths = self.ladder.widths();
+            let (plane, width) = (&self.planes[i / widths.len()], widths[i % widths.len()]);
+            Blur::new(plane, size, target.border, target.view, width)
+        };
+        Images { view: target.view, blurs: (0..self.len()).into_par_iter().map(each).collect() }
+    }
+}
+
+/// All images, to be computed in strips of [`STRIP`] rows of the view.
+pub struct Images<'a> {
+    view: View,
+    blurs: Vec<Blur<'a>>,
+}
+
+impl Images<'_> {
+    /// The rows of each strip.
+    pub fn strips(&self) -> Vec<Range<usize>> {
+        let height = self.view.height;
+        (0..height).step_by(STRIP).map(|y| y..(y + STRIP).min(height)).collect()
+    }
+
+    /// Calls `f` with the columns `x..x + columns` of the rows `strip` of all images, for one block after the other.
+    pub fn blocks(
+        &self,
+        strip: &Range<usize>,
+        columns: usize,
+        mut f: impl FnMut(Range<usize>, &[Vec<Lane>]),
+    ) {
+        let rows: Vec<Vec<Lane>> = self.blurs.iter().map(|blur| blur.rows(strip.clone())).collect();
+        let mut block = vec![Vec::with_capacity(columns); self.blurs.len()];
+        for x in (0..self.view.width).step_by(columns) {
+            let range = x..(x + columns).min(self.view.width);
+            for ((image, blur), rows) in block.iter_mut().zip(&self.blurs).zip(&rows) {
+                image.clear();
+                image.extend(blur.columns(rows, range.clone()));
+            }
+            f(range, &block);
+        }
+    }
+}
