@@ -6,8 +6,7 @@
 
 use super::blur::{Blur, Lane, STRIP};
 use super::ladder::Ladder;
-use super::slices::Slices;
-use super::sources::sheets;
+use super::slices::{Node, Slices};
 use super::{Optics, Target};
 use crate::error::Result;
 use crate::geometry::Camera;
@@ -39,16 +38,18 @@ impl<'a> Basis<'a> {
         if !(parallel && free) {
             return None;
         }
-        let sheet = sheets(&Target { relief: None, ..target }).swap_remove(0);
-        let nodes: Vec<_> = sheet.iter().flatten().map(|source| source.node).collect();
+        let geometry = target.geometry;
+        let pitch = geometry.median_pixel_pitch();
+        let nodes: Vec<Node> = geometry.path_lengths().into_iter().map(|z| Node { z, pitch }).collect();
         let slices = Slices::new(0.0, &nodes, SLICES);
-        let mut planes = vec![vec![0.0; sheet.len()]; slices.nodes.len()];
-        for (i, source) in sheet.iter().enumerate() {
-            if let Some(source) = source {
-                for (plane, weight) in planes.iter_mut().zip(slices.weights(source.node)) {
-                    plane[i] = weight as f32 * source.light;
-                }
+        let mut planes = vec![vec![0.0; target.radiance.data.len()]; slices.nodes.len()];
+        let mut latest = (0.0, Vec::new());
+        for (i, light) in target.radiance.data.iter().enumerate() {
+            let Some(z) = geometry.path_length(i % geometry.width, i / geometry.width) else { continue };
+            if z != latest.0 {
+                latest = (z, slices.weights(Node { z, pitch }));
             }
+            planes.iter_mut().zip(&latest.1).for_each(|(plane, weight)| plane[i] = *weight as f32 * light);
         }
         let side = target.radiance.width.max(target.radiance.height);
         Some(Self { target, slices, ladder: Ladder::new(WIDEST * side as f64), planes })
@@ -84,9 +85,8 @@ impl<'a> Basis<'a> {
     /// # Errors
     /// As [`Optics::kernel`].
     pub fn error(&self, optics: &Optics) -> Result<f64> {
-        let error = |worst: f64, node: &super::slices::Node| {
-            Ok(worst.max(self.ladder.error(&*optics.kernel(node.z)?, node.pitch)))
-        };
+        let error =
+            |worst: f64, node: &Node| Ok(worst.max(self.ladder.error(&*optics.kernel(node.z)?, node.pitch)));
         self.slices.nodes.iter().try_fold(0.0, error)
     }
 

@@ -33,26 +33,33 @@ struct Band {
 }
 
 impl Band {
-    /// The matrix whose row at the position x has `tap(i - x)` for the input at i, up to `reach` away, i being counted
-    /// beyond the `inputs` as `border` says.
+    /// The matrix whose row at the position x has the weights `taps(u, n)` of the inputs at x + u, x + u + 1, …, up to
+    /// `reach` away; what lies beyond the `inputs` is as `border` says.
     fn new(
         positions: impl Iterator<Item = f64>,
         (inputs, border): (usize, Border),
         reach: f64,
-        tap: impl Fn(f64) -> f64,
+        taps: impl Fn(f64, usize) -> Vec<f64>,
     ) -> Self {
+        let (nearest, farthest) = match border {
+            Border::Zero => (0, inputs as i64 - 1),
+            Border::Clamp | Border::Mirror => (i64::MIN, i64::MAX),
+        };
         let mut dense = vec![0.0; inputs];
         let row = |x: f64| {
-            let (mut first, mut end) = (inputs, 0);
-            for position in (x - reach).ceil() as i64..=(x + reach).floor() as i64 {
-                if let Some(i) = border.index(position, inputs) {
-                    dense[i] += tap(position as f64 - x);
-                    (first, end) = (first.min(i), end.max(i + 1));
+            let start = ((x - reach).ceil() as i64).max(nearest);
+            let end = ((x + reach).floor() as i64).min(farthest);
+            let count = (end - start + 1).max(0) as usize;
+            let (mut first, mut last) = (inputs, 0);
+            for (place, tap) in (start..).zip(taps(start as f64 - x, count)) {
+                if let Some(i) = border.index(place, inputs) {
+                    dense[i] += tap;
+                    (first, last) = (first.min(i), last.max(i + 1));
                 }
             }
-            let first = first.min(end);
-            let elements = dense[first..end].iter().map(|&v| v as f32).collect();
-            dense[first..end].fill(0.0);
+            let first = first.min(last);
+            let elements = dense[first..last].iter().map(|&v| v as f32).collect();
+            dense[first..last].fill(0.0);
             (first, elements)
         };
         Self { rows: positions.map(row).collect() }
@@ -101,7 +108,9 @@ impl<'a> Blur<'a> {
             let band = |axis: usize| {
                 let (start, length) = seen[axis];
                 let positions = (start..start + length).map(|i| i as f64);
-                Band::new(positions, (size[axis], border), REACH * width + 1.0, |u| between_pixels(width, u))
+                Band::new(positions, (size[axis], border), REACH * width + 1.0, |u, n| {
+                    between_pixels(width, u, n)
+                })
             };
             let (across, down) = (band(0), band(1));
             return Self { inner: Cow::Borrowed(image), inner_width: size[0], across, down };
@@ -113,12 +122,14 @@ impl<'a> Blur<'a> {
             let origin = start as f64 - reach;
             let count = ((length as f64 + 2.0 * reach) / step).ceil() as usize + 1;
             let grid = (0..count).map(|i| origin + i as f64 * step);
-            let inward = Band::new(grid, (size[axis], border), reach + 1.0, |u| between_pixels(half, u));
+            let inward =
+                Band::new(grid, (size[axis], border), reach + 1.0, |u, n| between_pixels(half, u, n));
             let places = (start..start + length).map(|i| (i as f64 - origin) / step);
-            let tap = |u: f64| step * gaussian(half, step * u);
-            (inward, Band::new(places, (count, Border::Zero), reach / step, tap))
+            let taps =
+                |u: f64, n: usize| (0..n).map(|i| step * gaussian(half, step * (u + i as f64))).collect();
+            (inward, Band::new(places, (count, Border::Zero), reach / step, taps))
         };
-        let ((inward_x, across), (inward_y, down)) = (bands(0), bands(1));
+        let ((inward_x, across), (inward_y, down)) = rayon::join(|| bands(0), || bands(1));
         let (columns, rows) = (inward_x.rows.len(), inward_y.rows.len());
         let blurred = inward_y.times(0..rows, image, size[0]);
         let element = |row: &[f32], (first, elements): &(usize, Vec<f32>)| {
@@ -159,9 +170,10 @@ fn gaussian(width: f64, u: f64) -> f64 {
     (-0.5 * (u / width).powi(2)).exp() / (width * (2.0 * PI).sqrt())
 }
 
-/// That density averaged over two pixels whose centres are `u` apart.
-fn between_pixels(width: f64, u: f64) -> f64 {
-    twice_integrated(width, u + 1.0) - 2.0 * twice_integrated(width, u) + twice_integrated(width, u - 1.0)
+/// That density averaged over two pixels whose centres are `u`, `u` + 1, … apart, `count` numbers.
+fn between_pixels(width: f64, u: f64, count: usize) -> Vec<f64> {
+    let integrals: Vec<f64> = (0..count + 2).map(|i| twice_integrated(width, u + i as f64 - 1.0)).collect();
+    integrals.windows(3).map(|g| g[0] - 2.0 * g[1] + g[2]).collect()
 }
 
 /// Its second antiderivative, max(u, 0) + ∫ from |u| of (v - |u|) times the density; max(u, 0) for no width.

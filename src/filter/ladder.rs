@@ -14,7 +14,7 @@ use nalgebra::DMatrix;
 use std::f64::consts::PI;
 
 /// Ratio of neighbouring widths.
-const RATIO: f64 = 4.0 / 3.0;
+const RATIO: f64 = std::f64::consts::SQRT_2;
 /// A Gaussian of at most this width, px, reaches no farther than the next pixel: its light there is c·sigma, c = (2 pi)^-½,
 /// of each axis, to exp(-1/(2 sigma²)) = 4e-6. So its image is quadratic in sigma, and three such widths stand for all.
 const NARROW: f64 = 0.2;

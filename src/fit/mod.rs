@@ -39,6 +39,7 @@ use equations::{NormalEquations, Products};
 use exposure::exposures;
 use observed::Observed;
 use renders::Renders;
+use start::Split;
 use sums::Sums;
 
 /// What to fit with.
@@ -150,13 +151,15 @@ const MOST_ROUNDS: usize = 6;
 /// [`Error::NothingToFit`] if no pixel counts or every parameter is fixed, [`Error::OutOfRange`] for contradictory
 /// options, [`Error::NotFinite`] if a render is not finite.
 pub fn fit_channel(data: &[Datum], options: &FitOptions, settings: &Settings) -> Result<ChannelFit> {
-    let sums = Sums::of_all(data, settings)?;
-    let mut best = fit_from(data, options, settings, (None, sums.as_deref()))?;
+    let observed = data.iter().map(Observed::new).collect::<Result<Vec<_>>>()?;
+    let sums = Sums::of_all(&observed, settings);
+    let fit = |width, sums| fit_from((data, observed.clone()), options, settings, (width, sums));
+    let mut best = fit(None, sums.as_deref())?;
     let automatic = settings.model.spreads() && options.start == [None; 3];
     let flat = || data.iter().all(|d| Relief::new(d.target.geometry).is_flat());
     if best.reduced_chi2 > MISFIT && automatic && best.path == Path::Renders && flat() {
         for width in start::BEYOND_THE_VIEW {
-            let other = fit_from(data, options, settings, (Some(width), None))?;
+            let other = fit(Some(width), None)?;
             if other.reduced_chi2 < best.reduced_chi2 {
                 best = other;
             }
@@ -167,13 +170,12 @@ pub fn fit_channel(data: &[Datum], options: &FitOptions, settings: &Settings) ->
 
 /// The fit from one start, the automatic one or a kernel of a `width` in views; by `sums`, if there are any, from the best
 /// of all starts.
-fn fit_from(
-    data: &[Datum],
+fn fit_from<'a>(
+    (data, mut observed): (&[Datum<'a>], Vec<Observed<'a>>),
     options: &FitOptions,
     settings: &Settings,
     (width, mut sums): (Option<f64>, Option<&[Sums]>),
 ) -> Result<ChannelFit> {
-    let mut observed = data.iter().map(Observed::new).collect::<Result<Vec<_>>>()?;
     let scenes: Vec<&Geometry> = data.iter().map(|d| d.target.geometry).collect();
     let median_z = median_path_length(&scenes);
     let mut parameters = Parameters::new(options, settings.model, median_z)?;
@@ -192,7 +194,10 @@ fn fit_from(
         (None, None) => {
             evaluations += start::choose(&mut parameters, options, data, &observed, settings, median_z)?;
         }
-        (None, Some(width)) => start::place(&mut parameters, data, width, median_z),
+        (None, Some(width)) => {
+            let split = Split::mean(data, median_z);
+            start::place(&mut parameters, (data, &split), width, median_z);
+        }
     }
     let start = start.unwrap_or(parameters.values());
     let unknown_noise = data.iter().any(|d| d.noise.is_none());

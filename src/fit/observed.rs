@@ -20,6 +20,7 @@ const HIDDEN_SETTLED: f64 = 0.002;
 const FEWEST_LAPLACIANS: i32 = 100;
 
 /// A datum with its pixels gathered: values of those that count, known veil taken off.
+#[derive(Clone)]
 pub(super) struct Observed<'a> {
     pub datum: Datum<'a>,
     /// Whether each pixel of the view counts.

@@ -48,12 +48,13 @@ pub(super) fn search(
 ) -> Result<Search> {
     let mut starts = vec![parameters.clone()];
     let trials = (&MANY_WIDTHS[..], &MANY_DEPTHS[..]);
-    let scan = Scan { data, observed, settings, median_z };
+    let split = Split::mean(data, median_z);
+    let scan = Scan { data, observed, split: &split, settings, median_z };
     let mut evaluations = scan.best(&mut starts[0], options, trials, |i, optics| sums[i].products(optics))?;
     if settings.model.spreads() && options.start == [None; 3] {
         for width in BEYOND_THE_VIEW {
             let mut wide = parameters.clone();
-            place(&mut wide, data, width, median_z);
+            place(&mut wide, (data, &split), width, median_z);
             starts.push(wide);
         }
     }
@@ -62,7 +63,8 @@ pub(super) fn search(
     for start in starts {
         let outcome = solver::run(Problem::new(Source::Sums(sums), observed, &start, settings), settings)?;
         evaluations += outcome.evaluations;
-        if outcome.equations.cost < least {
+        // Of starts that lead to one optimum the first counts.
+        if outcome.equations.cost + outcome.equations.negligible() < least {
             least = outcome.equations.cost;
             let mut found = start.clone();
             found.set_internal(&outcome.point);
@@ -88,7 +90,8 @@ pub(super) fn choose(
     median_z: f64,
 ) -> Result<u64> {
     let mut filters = Vec::new();
-    let scan = Scan { data, observed, settings, median_z };
+    let split = Split::mean(data, median_z);
+    let scan = Scan { data, observed, split: &split, settings, median_z };
     scan.best(parameters, options, (&WIDTHS, &DEPTHS), |i, optics| {
         if filters.is_empty() {
             filters.extend(data.iter().map(|d| {
@@ -106,6 +109,7 @@ pub(super) fn choose(
 struct Scan<'s> {
     data: &'s [Datum<'s>],
     observed: &'s [Observed<'s>],
+    split: &'s Split,
     settings: &'s Settings<'s>,
     median_z: f64,
 }
@@ -120,8 +124,7 @@ impl Scan<'_> {
         (widths, depths): (&[f64], &[f64]),
         mut products: impl FnMut(usize, &Optics) -> Result<Products>,
     ) -> Result<u64> {
-        let Self { data, observed, settings, median_z } = *self;
-        let Split { sigma_s, sigma_a } = Split::mean(data, median_z);
+        let Self { data, observed, split: &Split { sigma_s, sigma_a }, settings, median_z } = *self;
         let open: [bool; 3] = std::array::from_fn(|i| options.start[i].is_none() && !parameters.is_fixed(i));
         let (scan_depth, scan_width) = (open[0] && settings.model.spreads(), open[2]);
         for (i, value) in [(0, sigma_s), (1, sigma_a)] {
@@ -169,9 +172,13 @@ impl Scan<'_> {
 pub(super) const BEYOND_THE_VIEW: [f64; 2] = [0.7, 2.5];
 
 /// Begins from a kernel of `width` views, and light dimmed half by scattering out of the view, half by absorption.
-pub(super) fn place(parameters: &mut Parameters, data: &[Datum], width: f64, median_z: f64) {
-    let Split { sigma_s, sigma_a } = Split::mean(data, median_z);
-    let dimmed = sigma_s + sigma_a;
+pub(super) fn place(
+    parameters: &mut Parameters,
+    (data, split): (&[Datum], &Split),
+    width: f64,
+    median_z: f64,
+) {
+    let dimmed = split.sigma_s + split.sigma_a;
     parameters.set(0, 0.5 * dimmed);
     parameters.set(1, 0.5 * dimmed);
     parameters.set(2, b_of_view_share(width, &data[0], median_z));
@@ -222,13 +229,13 @@ impl Level {
 }
 
 /// Coefficients from one scene's direct share and mean level.
-struct Split {
+pub(super) struct Split {
     sigma_s: f64,
     sigma_a: f64,
 }
 
 impl Split {
-    fn mean(data: &[Datum], median_z: f64) -> Self {
+    pub(super) fn mean(data: &[Datum], median_z: f64) -> Self {
         let splits: Vec<Split> = data.iter().map(|d| Split::of(d, median_z)).collect();
         let mean = |f: fn(&Split) -> f64| splits.iter().map(f).sum::<f64>() / splits.len() as f64;
         Self { sigma_s: mean(|s| s.sigma_s), sigma_a: mean(|s| s.sigma_a) }

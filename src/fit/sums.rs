@@ -7,7 +7,7 @@
 
 use super::equations::Products;
 use super::observed::Observed;
-use super::{Datum, Method, Settings};
+use super::{Method, Settings};
 use crate::error::Result;
 use crate::filter::Optics;
 use crate::filter::basis::{Basis, Images};
@@ -36,11 +36,9 @@ const MOST_ERROR: f64 = 1e-3;
 impl<'a> Sums<'a> {
     /// The sums of every scene, if all of them have such. The simplex, whose part it is to do without what the others
     /// rely on, does without.
-    pub(super) fn of_all(data: &[Datum<'a>], settings: &Settings) -> Result<Option<Vec<Self>>> {
-        if settings.method != Method::LevenbergMarquardt {
-            return Ok(None);
-        }
-        data.iter().map(|d| Ok(Self::new(&Observed::new(d)?))).collect()
+    pub(super) fn of_all(observed: &[Observed<'a>], settings: &Settings) -> Option<Vec<Self>> {
+        let wanted = settings.method == Method::LevenbergMarquardt;
+        wanted.then(|| observed.iter().map(Self::new).collect()).flatten()
     }
 
     /// The sums of `observed`; `None` if its renders are no such combination.
