@@ -59,6 +59,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
         model: arguments.model,
         method: arguments.solver,
         max_iterations: arguments.max_iterations,
+        sums: arguments.solver == Method::LevenbergMarquardt,
         progress: &|| progress.add(1),
     };
     check_scenes(&scenes, &settings)?;

@@ -51,6 +51,8 @@ pub struct Settings<'a> {
     pub method: Method,
     /// Iterations after which a fit is given up.
     pub max_iterations: u64,
+    /// Whether to find the optimum by sums over the image where a scene allows it, instead of by renders.
+    pub sums: bool,
     /// Called after every render.
     pub progress: &'a dyn Fn(),
 }
@@ -61,26 +63,8 @@ impl Default for Settings<'_> {
             model: Model::SmallAngle,
             method: Method::LevenbergMarquardt,
             max_iterations: 200,
+            sums: true,
             progress: &|| (),
-        }
-    }
-}
-
-/// How an optimum is found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Path {
-    /// From sums made in one pass over the image.
-    Sums,
-    /// From renders alone.
-    Renders,
-}
-
-impl Path {
-    /// Name in reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Path::Sums => "sums",
-            Path::Renders => "renders",
         }
     }
 }
@@ -118,8 +102,9 @@ pub struct ChannelFit {
     pub iterations: u64,
     /// Renders, with and without derivatives.
     pub evaluations: u64,
-    /// How the optimum was found; renders have confirmed it in any case.
-    pub path: Path,
+    /// sigma_s, sigma_a and B as sums over the image had them, before renders confirmed them; `None` if renders alone found
+    /// the optimum.
+    pub by_sums: Option<[f64; 3]>,
     /// Evaluations by sums.
     pub sum_evaluations: u64,
     /// Real 2-D FFTs of one evaluation with derivatives, over all scenes.
@@ -152,12 +137,12 @@ const MOST_ROUNDS: usize = 6;
 /// options, [`Error::NotFinite`] if a render is not finite.
 pub fn fit_channel(data: &[Datum], options: &FitOptions, settings: &Settings) -> Result<ChannelFit> {
     let observed = data.iter().map(Observed::new).collect::<Result<Vec<_>>>()?;
-    let sums = Sums::of_all(&observed, settings);
+    let sums = settings.sums.then(|| Sums::of_all(&observed)).flatten();
     let fit = |width, sums| fit_from((data, observed.clone()), options, settings, (width, sums));
     let mut best = fit(None, sums.as_deref())?;
     let automatic = settings.model.spreads() && options.start == [None; 3];
     let flat = || data.iter().all(|d| Relief::new(d.target.geometry).is_flat());
-    if best.reduced_chi2 > MISFIT && automatic && best.path == Path::Renders && flat() {
+    if best.reduced_chi2 > MISFIT && automatic && best.by_sums.is_none() && flat() {
         for width in start::BEYOND_THE_VIEW {
             let other = fit(Some(width), None)?;
             if other.reduced_chi2 < best.reduced_chi2 {
@@ -206,12 +191,13 @@ fn fit_from<'a>(
     let mut renders = Renders::new(data, &parameters, settings)?;
     loop {
         round += 1;
-        if let Some(sums) = sums.filter(|_| round > 1) {
+        if let Some(sums) = sums {
             let found =
                 solver::run(Problem::new(Source::Sums(sums), &observed, &parameters, settings), settings)?;
             sum_evaluations += found.evaluations;
             parameters.set_internal(&found.point);
         }
+        let by_sums = sums.map(|_| parameters.values());
         let source = Source::Renders(&renders);
         let outcome = solver::run(Problem::new(source, &observed, &parameters, settings), settings)?;
         iterations += outcome.iterations;
@@ -266,7 +252,7 @@ fn fit_from<'a>(
                 stop: outcome.stop,
                 iterations,
                 evaluations,
-                path: if sums.is_some() { Path::Sums } else { Path::Renders },
+                by_sums,
                 sum_evaluations,
                 transforms: renders.transforms(),
                 free_gain: data.iter().any(|d| d.gain == Gain::Free),

@@ -9,11 +9,14 @@ use crate::image::Image;
 use std::cell::RefCell;
 use std::rc::Rc;
 
+/// Parameter values, and the renders there with derivatives.
+type Latest = ([f64; 3], Rc<Vec<Rendering>>);
+
 /// Filters of all scenes, and what they rendered last.
 pub(super) struct Renders<'a> {
     filters: Vec<CpuFilter<'a>>,
-    /// Parameter values, and the renders there with derivatives: an optimum is looked at more than once.
-    latest: RefCell<Option<([f64; 3], Rc<Vec<Rendering>>)>>,
+    /// An optimum is looked at more than once.
+    latest: RefCell<Option<Latest>>,
 }
 
 impl<'a> Renders<'a> {

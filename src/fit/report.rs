@@ -1,7 +1,7 @@
 //! The result of a fit as users read it: `fit.json`, and the table on the terminal.
 
 use super::uncertainty::{Status, Z95};
-use super::{ChannelFit, MISFIT, NAMES, Path, Settings};
+use super::{ChannelFit, MISFIT, NAMES, Settings};
 use crate::filter::Filter;
 use crate::filter::cpu::CUT;
 use crate::medium::Medium;
@@ -213,7 +213,7 @@ fn summary(channels: &[(String, ChannelFit)], seconds: f64) -> Value {
         "reduced_chi2": chi2,
         "pixels": pixels,
         "hidden_pixels": sum(|f| f.hidden_pixels as u64),
-        "path": if fits().all(|f| f.path == Path::Sums) { Path::Sums } else { Path::Renders }.name(),
+        "path": if fits().all(|f| f.by_sums.is_some()) { "sums" } else { "renders" },
         "iterations": sum(|f| f.iterations),
         "evaluations": sum(|f| f.evaluations),
         "sum_evaluations": sum(|f| f.sum_evaluations),

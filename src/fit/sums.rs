@@ -7,7 +7,6 @@
 
 use super::equations::Products;
 use super::observed::Observed;
-use super::{Method, Settings};
 use crate::error::Result;
 use crate::filter::Optics;
 use crate::filter::basis::{Basis, Images};
@@ -27,40 +26,30 @@ pub(super) struct Sums<'a> {
 
 /// Columns of a strip whose products are summed in f32: 256 pixels.
 const BLOCK: usize = 16;
-/// Products that one pass may take. Beyond, only some strips of the image are looked at, evenly spread: the fit that
-/// renders confirm need not begin from all that is known.
-const MOST_PRODUCTS: usize = 1_500_000_000;
 /// Largest error of a transfer function, relative to the scattered light, with which what the sums say is believed.
 const MOST_ERROR: f64 = 1e-3;
 
 impl<'a> Sums<'a> {
-    /// The sums of every scene, if all of them have such. The simplex, whose part it is to do without what the others
-    /// rely on, does without.
-    pub(super) fn of_all(observed: &[Observed<'a>], settings: &Settings) -> Option<Vec<Self>> {
-        let wanted = settings.method == Method::LevenbergMarquardt;
-        wanted.then(|| observed.iter().map(Self::new).collect()).flatten()
+    /// The sums of every scene, if all of them have such.
+    pub(super) fn of_all(observed: &[Observed<'a>]) -> Option<Vec<Self>> {
+        observed.iter().map(Self::new).collect()
     }
 
     /// The sums of `observed`; `None` if its renders are no such combination.
     pub(super) fn new(observed: &Observed<'a>) -> Option<Self> {
         let basis = Basis::new(observed.datum.target)?;
         let images = basis.images();
-        let strips = images.strips();
         let number = basis.len() + 2;
         let (values, width) = (observed.values(), observed.datum.target.view.width);
-        let products = observed.pixels() * number * (number + 1) / 2;
-        let step = products.div_ceil(MOST_PRODUCTS);
-        let looked_at: Vec<_> = strips.into_iter().skip((step - 1) / 2).step_by(step).collect();
+        let strips = images.strips();
         let parts: Vec<Vec<f64>> =
-            looked_at.par_iter().map(|strip| strip_sums(&images, (&values, width), strip, number)).collect();
+            strips.par_iter().map(|strip| strip_sums(&images, (&values, width), strip, number)).collect();
         let mut sums = vec![0.0; number * number];
         for part in &parts {
             sums.iter_mut().zip(part).for_each(|(sum, v)| *sum += v);
         }
-        // The last sum is that of 1: the pixels looked at, of all that count.
-        let share = sums[number * number - 1] / observed.pixels() as f64;
-        let gram = DMatrix::from_fn(number, number, |i, j| sums[i.max(j) * number + i.min(j)] / share);
-        (share > 0.0).then(|| Self { basis, gram, reference: observed.given_exposure() })
+        let gram = DMatrix::from_fn(number, number, |i, j| sums[i.max(j) * number + i.min(j)]);
+        Some(Self { basis, gram, reference: observed.given_exposure() })
     }
 
     /// What a fit needs of a render and its derivatives.
