@@ -112,7 +112,7 @@ fn sums_floor(target: Target, fit: impl Fn(&FitOptions) -> ChannelFit) -> String
             black_box(dot(black_box(&a), black_box(&c)));
         })
     });
-    let number = basis.len() + 2;
+    let number = basis.count() + 2;
     let blocks = target.view.pixels().div_ceil(BLOCK) * number * (number + 1) / 2;
     let products = block / REPEATS as f64 * blocks as f64 / rayon::current_num_threads() as f64;
     let filter = CpuFilter::new(target, &optics, HEADROOM).unwrap();
@@ -126,7 +126,7 @@ fn sums_floor(target: Target, fit: impl Fn(&FitOptions) -> ChannelFit) -> String
         "{side} x {side} by sums: {} images, {} evaluations by sums with weights in {:.3} ms each, {} renders\n  \
          floor: products {:.1} ms, FFTs {:.1} ms, together {:.1} ms; the images themselves take {:.1} ms\n  \
          measured {:.1} ms, {:.1} x",
-        basis.len(),
+        basis.count(),
         found.sum_evaluations,
         1e3 * weights,
         found.evaluations,

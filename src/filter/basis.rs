@@ -61,13 +61,8 @@ impl<'a> Basis<'a> {
     }
 
     /// Number of images.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.planes.len() * self.ladder.widths().len()
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// The weight a_c of every image in a render.
@@ -75,7 +70,7 @@ impl<'a> Basis<'a> {
     /// # Errors
     /// As [`Optics::kernel`].
     pub fn weights(&self, optics: &Optics) -> Result<Vec<Dual>> {
-        let mut all = Vec::with_capacity(self.len());
+        let mut all = Vec::with_capacity(self.count());
         for node in &self.slices.nodes {
             let kernel = optics.kernel(node.z)?;
             let direct = all.len();
@@ -104,7 +99,7 @@ impl<'a> Basis<'a> {
             let (plane, width) = (&self.planes[i / widths.len()], widths[i % widths.len()]);
             Blur::new(plane, size, target.border, target.view, width)
         };
-        Images { view: target.view, blurs: (0..self.len()).into_par_iter().map(each).collect() }
+        Images { view: target.view, blurs: (0..self.count()).into_par_iter().map(each).collect() }
     }
 }
 

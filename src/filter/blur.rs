@@ -5,7 +5,7 @@
 //! its second antiderivative, all aliases included.
 //!
 //! A wide blur goes by way of a coarse grid, as two of half the variance each: L -> C = Y₁ L X₁ᵀ on a grid of step d, and
-//! E = Y₂ C X₂ᵀ. Sampling leaves exp(-(2 pi/d)² sigma²/8) of it, [`STEP`] chosen so that this is 3e-7.
+//! E = Y₂ C X₂ᵀ. Sampling leaves exp(-(2 pi/d)² sigma²/8) of it, d being chosen so that this is 3e-7.
 
 use crate::image::{Border, View};
 use libm::erfc;

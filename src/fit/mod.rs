@@ -10,6 +10,7 @@ mod exposure;
 mod observed;
 mod parameters;
 mod renders;
+mod search;
 mod solver;
 mod start;
 mod sums;
@@ -129,8 +130,8 @@ const MOST_ROUNDS: usize = 6;
 /// Fits one channel's medium to `data`; all scenes share it.
 ///
 /// If the fit from the automatic start does not describe the images, it may have ended in a false minimum: kernels
-/// wider than the view are then tried as starts too, and the best of all fits counts; by sums they always are. Edges and slopes explain a misfit
-/// in another way, so scenes that have some are not tried again.
+/// wider than the view are then tried as starts too, and the best of all fits counts; by sums they always are. Edges and
+/// slopes explain a misfit in another way, so scenes that have some are not tried again.
 ///
 /// # Errors
 /// [`Error::NothingToFit`] if no pixel counts or every parameter is fixed, [`Error::OutOfRange`] for contradictory
@@ -167,7 +168,7 @@ fn fit_from<'a>(
     let (mut evaluations, mut sum_evaluations) = (0, 0);
     let mut start = None;
     if let Some(all) = sums {
-        let search = start::search(&parameters, options, (data, &observed, all), settings, median_z)?;
+        let search = search::search(&parameters, options, (data, &observed, all), settings, median_z)?;
         sum_evaluations += search.evaluations;
         match search.best {
             Some((from, best)) => (start, parameters) = (Some(from), best),

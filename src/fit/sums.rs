@@ -39,7 +39,7 @@ impl<'a> Sums<'a> {
     pub(super) fn new(observed: &Observed<'a>) -> Option<Self> {
         let basis = Basis::new(observed.datum.target)?;
         let images = basis.images();
-        let number = basis.len() + 2;
+        let number = basis.count() + 2;
         let (values, width) = (observed.values(), observed.datum.target.view.width);
         let strips = images.strips();
         let parts: Vec<Vec<f64>> =
