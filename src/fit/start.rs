@@ -190,8 +190,9 @@ impl Split {
             Gain::Fixed(gain) => gain,
             Gain::Free => 1.0,
         };
-        let level = (level_ratio(datum) / gain).clamp(1e-6, 1e6);
-        let direct = detail_ratio(datum).map_or(0.4 * level, |d| (d / gain).clamp(1e-6, level));
+        let (level, detail) = rayon::join(|| level_ratio(datum), || detail_ratio(datum));
+        let level = (level / gain).clamp(1e-6, 1e6);
+        let direct = detail.map_or(0.4 * level, |d| (d / gain).clamp(1e-6, level));
         let tau = (level / direct).ln().clamp(TAU.0, TAU.1);
         // With a free gain the level says nothing of the absorption.
         let absorbed = if datum.gain == Gain::Free { 0.0 } else { -level.min(1.0).ln() };
