@@ -1,7 +1,9 @@
-//! What a fit costs: one channel of a plane, start values and noise unknown, on an image made by the model with noise.
+//! What a fit costs: one channel of a plane, start values and noise unknown, on an image made by the model with noise; by
+//! sums over the image, as it is done, and by renders alone.
 //!
-//! The floor is the time of the FFTs alone, those of the renders that choose the start and those of the optimiser's
-//! evaluations. Reading files and writing results are not part of this.
+//! The floor by renders is the time of the FFTs alone, those of the renders that choose the start and those of the
+//! optimiser's evaluations. The floor by sums is that of the FFTs that confirm the optimum, and of the products of all
+//! images of the basis at the rate at which one product of two such blocks is summed. Reading files and writing results are not part of this.
 
 mod common;
 #[path = "../tests/common/mod.rs"]
@@ -9,6 +11,8 @@ mod scenes;
 
 use common::{best_of, fft_seconds};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use narrowbeam::filter::basis::Basis;
+use narrowbeam::filter::blur::dot;
 use narrowbeam::filter::cpu::CpuFilter;
 use narrowbeam::filter::{Optics, Target};
 use narrowbeam::fit::{ChannelFit, Datum, HEADROOM, Settings, VeilTerm, fit_channel};
@@ -18,6 +22,7 @@ use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Gaussian, b_of_spread_angle};
 use narrowbeam::scene::{FitOptions, Gain};
 use narrowbeam::spread::Model;
+use rayon::prelude::*;
 use std::hint::black_box;
 use std::time::Duration;
 
@@ -41,7 +46,7 @@ fn observed(target: Target) -> Image {
 
 fn fit(c: &mut Criterion) {
     let mut floors = Vec::new();
-    for n in [256, 512] {
+    for n in [256, 512, 1024] {
         let radiance = scenes::texture(n, n);
         let geometry = Geometry::planar(n, n, PIXEL_PITCH, DEPTH).unwrap();
         let view = View::whole(n, n);
@@ -63,17 +68,79 @@ fn fit(c: &mut Criterion) {
             gain: Gain::Fixed(1.0),
             veil: VeilTerm::Fixed(0.0),
         };
-        let fit = |options: &FitOptions| fit_channel(&[datum], options, &Settings::default()).unwrap();
+        let by = |sums: bool| {
+            let settings = Settings { sums, ..Settings::default() };
+            move |options: &FitOptions| fit_channel(&[datum], options, &settings).unwrap()
+        };
         let mut group = c.benchmark_group("fit of a plane");
         group.sample_size(10).throughput(Throughput::Elements((n * n) as u64));
-        group.bench_function(format!("{n} x {n}"), |b| b.iter(|| fit(&FitOptions::default())));
+        let automatic = FitOptions::default();
+        group.bench_function(format!("{n} x {n} by sums"), |b| b.iter(|| by(true)(&automatic)));
+        group.bench_function(format!("{n} x {n} by renders"), |b| b.iter(|| by(false)(&automatic)));
         group.finish();
-        floors.push(floor(target, fit));
+        floors.push(sums_floor(target, by(true)));
+        floors.push(floor(target, by(false)));
     }
     floors.iter().for_each(|text| println!("{text}"));
 }
 
-/// The FFTs of a fit, their time alone, and the gap to the whole.
+/// Pixels whose products are summed together.
+const BLOCK: usize = 256;
+
+/// What a fit by sums must do at least, its parts, and the gap to the whole.
+fn sums_floor(target: Target, fit: impl Fn(&FitOptions) -> ChannelFit) -> String {
+    let found = fit(&FitOptions::default());
+    let [sigma_s, sigma_a, b] = found.parameters.values();
+    let phase = Gaussian::new(b).unwrap();
+    let optics =
+        Optics { model: Model::SmallAngle, medium: Medium::new(sigma_s, sigma_a).unwrap(), phase: &phase };
+    let basis = Basis::new(target).unwrap();
+    let weights =
+        best_of(5, || (0..100).for_each(|_| drop(black_box(basis.weights(&optics).unwrap())))) / 100.0;
+    let images = best_of(5, || {
+        let images = basis.images();
+        images.strips().par_iter().for_each(|strip| {
+            images.blocks(strip, 16, |_, block| {
+                black_box(block.len());
+            })
+        });
+    });
+    let (a, c) = (vec![0.5_f32; BLOCK], vec![0.25_f32; BLOCK]);
+    const REPEATS: usize = 10_000;
+    let block = best_of(5, || {
+        (0..REPEATS).for_each(|_| {
+            black_box(dot(black_box(&a), black_box(&c)));
+        })
+    });
+    let number = basis.count() + 2;
+    let blocks = target.view.pixels().div_ceil(BLOCK) * number * (number + 1) / 2;
+    let products = block / REPEATS as f64 * blocks as f64 / rayon::current_num_threads() as f64;
+    let filter = CpuFilter::new(target, &optics, HEADROOM).unwrap();
+    let (_, per_render, size) = filter.transforms();
+    let ffts = (found.evaluations as usize * per_render + 1) as f64 * fft_seconds(size);
+    let whole = best_of(5, || {
+        black_box(fit(&FitOptions::default()));
+    });
+    let floor = products + ffts;
+    format!(
+        "{side} x {side} by sums: {} images, {} evaluations by sums with weights in {:.3} ms each, {} renders\n  \
+         floor: products {:.1} ms, FFTs {:.1} ms, together {:.1} ms; the images themselves take {:.1} ms\n  \
+         measured {:.1} ms, {:.1} x",
+        basis.count(),
+        found.sum_evaluations,
+        1e3 * weights,
+        found.evaluations,
+        1e3 * products,
+        1e3 * ffts,
+        1e3 * floor,
+        1e3 * images,
+        1e3 * whole,
+        whole / floor,
+        side = target.radiance.width,
+    )
+}
+
+/// The FFTs of a fit by renders, their time alone, and the gap to the whole.
 fn floor(target: Target, fit: impl Fn(&FitOptions) -> ChannelFit) -> String {
     let found = fit(&FitOptions::default());
     // From the same start the optimiser takes the same path, without the renders that choose it.
@@ -100,7 +167,7 @@ fn floor(target: Target, fit: impl Fn(&FitOptions) -> ChannelFit) -> String {
     });
     let floor = start_seconds + seconds;
     format!(
-        "{side} x {side}: {starts} renders for the start, {} evaluations with {} FFTs each\n  \
+        "{side} x {side} by renders: {starts} renders for the start, {} evaluations with {} FFTs each\n  \
          floor: {start_ffts} FFTs of {}x{} = {:.1} ms, {ffts} FFTs of {}x{} = {:.1} ms, together {:.1} ms\n  \
          measured {:.1} ms, {:.1} x; the gap of {:.1} ms is transfer functions, normal equations, and memory",
         started.evaluations,

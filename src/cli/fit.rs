@@ -13,6 +13,7 @@ use crate::plots::{Figure, Panel, Shade};
 use crate::scene::{Purpose, Scene};
 use crate::spread::Model;
 use anyhow::Result;
+use rayon::prelude::*;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -61,6 +62,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
         backend: chosen.backend(),
         method: arguments.solver,
         max_iterations: arguments.max_iterations,
+        sums: arguments.solver == Method::LevenbergMarquardt,
         progress: &|| progress.add(1),
     };
     check_scenes(&scenes, &settings)?;
@@ -115,13 +117,18 @@ fn how_it_went(arguments: &Arguments, fit: &SceneFit, chosen: &Chosen) -> String
         String::new()
     };
     format!(
-        "{}, {} on {}: reduced chi² {:.3} over {counted} pixels{left_out}, {} iterations, {} renders, {:.3} s; \
+        "{}, {} on {}: reduced chi² {:.3} over {counted} pixels{left_out}, {} iterations, {}{} renders, {:.3} s; \
          report in {}",
         report.model,
         report.filter,
         chosen.describe(),
         fit["reduced_chi2"].as_f64().unwrap_or(f64::NAN),
         fit["iterations"],
+        if fit["path"] == "sums" {
+            format!("{} evaluations by sums and ", fit["sum_evaluations"])
+        } else {
+            String::new()
+        },
         fit["evaluations"],
         fit["seconds"].as_f64().unwrap_or(f64::NAN),
         arguments.out.display()
@@ -146,35 +153,27 @@ fn output(arguments: &Arguments, scenes: usize, i: usize, name: &str, kind: &str
     arguments.out.join(format!("{name}{suffix}.{kind}"))
 }
 
-/// `render`, `residual`, `hidden_share` and the pictures of each scene, then the report. An earlier fit's `hidden_share`
+/// The report, then `render`, `residual`, `hidden_share` and the pictures of each scene. An earlier fit's `hidden_share`
 /// is removed if nothing is hidden now.
 fn write(arguments: &Arguments, scenes: &[Scene], fit: &SceneFit, chosen: &Chosen) -> Result<()> {
+    let json = serde_json::to_string_pretty(&fit.report)?;
+    atomic::write(&arguments.out.join("fit.json"), json.as_bytes())?;
     for (i, scene) in scenes.iter().enumerate() {
         let observation = scene.observation.as_ref().expect("read for a fit");
         let file = |name: &str, kind: &str| output(arguments, scenes.len(), i, name, kind);
         let (render, residual) = (fit.render(i), fit.residual(i, &observation.image));
-        exr::write(&file("render", "exr"), &render, &provenance())?;
-        exr::write(&file("residual", "exr"), &residual, &provenance())?;
-        let tone = Tone::of(&observation.image);
+        let (clear, tone) = (Tone::of(&scene.object), Tone::of(&observation.image));
         let scale = residual_scale(&residual);
-        png::write_picture(&file("object", "png"), &scene.object, Tone::of(&scene.object))?;
-        png::write_picture(&file("observed", "png"), &observation.image, tone)?;
-        png::write_picture(&file("render", "png"), &render, tone)?;
-        png::write_residual(&file("residual", "png"), &residual, Some(scale))?;
+        let share = fit.hidden_share(i);
         let panel = |title: &str, channels, shade| Panel { title: title.into(), channels, shade };
         let mut panels = vec![
-            panel("object (clear)", scene.object.clone(), Shade::Radiance(Tone::of(&scene.object))),
+            panel("object (clear)", scene.object.clone(), Shade::Radiance(clear)),
             panel("observed", observation.image.clone(), Shade::Radiance(tone)),
-            panel("best fit", render, Shade::Radiance(tone)),
-            panel("observed - best fit", residual, Shade::Diverging { scale }),
+            panel("best fit", render.clone(), Shade::Radiance(tone)),
+            panel("observed - best fit", residual.clone(), Shade::Diverging { scale }),
         ];
-        match fit.hidden_share(i) {
-            Some(share) => {
-                exr::write(&file("hidden_share", "exr"), &share, &provenance())?;
-                let shade = Shade::from_zero(&share);
-                panels.push(panel("share of hidden light", share, shade));
-            }
-            None => atomic::remove(&file("hidden_share", "exr"))?,
+        if let Some(share) = &share {
+            panels.push(panel("share of hidden light", share.clone(), Shade::from_zero(share)));
         }
         let figure = Figure {
             title: format!("{}: {} fit", scene.path.display(), fit.report.model),
@@ -183,9 +182,21 @@ fn write(arguments: &Arguments, scenes: &[Scene], fit: &SceneFit, chosen: &Chose
             table: fit.report.table("1/length"),
             notes: vec![how_it_went(arguments, fit, chosen)],
         };
-        figure.write_png(&file("fit", "png"))?;
+        let share = || match &share {
+            Some(share) => exr::write(&file("hidden_share", "exr"), share, &provenance()),
+            None => atomic::remove(&file("hidden_share", "exr")),
+        };
+        let tasks: [&(dyn Fn() -> crate::Result<()> + Sync); 8] = [
+            &|| exr::write(&file("render", "exr"), &render, &provenance()),
+            &|| exr::write(&file("residual", "exr"), &residual, &provenance()),
+            &share,
+            &|| png::write_picture(&file("object", "png"), &scene.object, clear),
+            &|| png::write_picture(&file("observed", "png"), &observation.image, tone),
+            &|| png::write_picture(&file("render", "png"), &render, tone),
+            &|| png::write_residual(&file("residual", "png"), &residual, Some(scale)).map(|_| ()),
+            &|| figure.write_png(&file("fit", "png")),
+        ];
+        tasks.par_iter().try_for_each(|task| task())?;
     }
-    let json = serde_json::to_string_pretty(&fit.report)?;
-    atomic::write(&arguments.out.join("fit.json"), json.as_bytes())?;
     Ok(())
 }

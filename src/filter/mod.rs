@@ -16,7 +16,9 @@
 //! reaches) or the mirrored image, periodically (`mirror`).
 
 mod backend;
+pub mod basis;
 mod bend;
+pub mod blur;
 mod canvas;
 mod chebyshev;
 pub mod composite_sum;
@@ -26,6 +28,7 @@ mod fft2;
 pub mod footprint;
 pub mod gpu;
 mod hidden;
+pub mod ladder;
 mod obliquity;
 pub mod per_depth;
 mod plan;

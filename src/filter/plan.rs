@@ -127,7 +127,8 @@ fn per_segment(
     let screens = target.relief.map_or(0, |relief| relief.screens.len());
     let between = |passed: usize| {
         let mine = sheets.iter().flatten().flatten().filter(|s| s.screens == passed);
-        let nodes: Vec<Node> = mine.map(|s| s.node).collect();
+        let mut nodes: Vec<Node> = mine.map(|s| s.node).collect();
+        nodes.dedup();
         if nodes.is_empty() { Ok(None) } else { slices(&nodes).map(Some) }
     };
     (0..=screens).map(between).collect()

@@ -75,13 +75,20 @@ impl Segment {
         let count = slices.nodes.len();
         let weighted = |value: &dyn Fn(&Source, [f32; 2]) -> f32| -> Vec<Vec<f32>> {
             let mut planes = vec![vec![0.0; canvas.pixels()]; count];
+            let mut latest: Option<(Node, Vec<f64>)> = None;
             for place in canvas.places() {
                 for source in mine(place.of) {
                     let value = value(&source, place.turn);
                     if value != 0.0 {
-                        for (plane, weight) in planes.iter_mut().zip(slices.weights(source.node)) {
-                            plane[place.at] += weight as f32 * value;
+                        // Neighbours often lie at one depth.
+                        let weights = match latest.take() {
+                            Some((node, weights)) if node == source.node => weights,
+                            _ => slices.weights(source.node),
+                        };
+                        for (plane, weight) in planes.iter_mut().zip(&weights) {
+                            plane[place.at] += *weight as f32 * value;
                         }
+                        latest = Some((source.node, weights));
                     }
                 }
             }

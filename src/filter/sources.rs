@@ -4,6 +4,7 @@ use super::Target;
 use super::slices::Node;
 use crate::geometry::Field;
 use crate::relief::{Relief, Screen};
+use rayon::prelude::*;
 
 /// The light of one pixel.
 #[derive(Debug, Clone, Copy)]
@@ -57,7 +58,7 @@ fn sheet(
     target: &Target,
     screens: &[Screen],
     distance: &Field,
-    light_and_slope: impl Fn(usize) -> (f32, [f32; 2]),
+    light_and_slope: impl Fn(usize) -> (f32, [f32; 2]) + Sync,
 ) -> Sheet {
     let geometry = target.geometry;
     let source = |i: usize| {
@@ -71,5 +72,5 @@ fn sheet(
         let screens = screens.iter().take_while(|screen| screen.depth < depth).count();
         (z > 0.0).then_some(Source { node, cosine, light, slope, screens })
     };
-    (0..geometry.width * geometry.height).map(source).collect()
+    (0..geometry.width * geometry.height).into_par_iter().map(source).collect()
 }

@@ -36,13 +36,16 @@ pub(crate) struct NormalEquations {
 
 /// A decrease of chi² by this times its expectation a pixel moves the estimate by a hundredth of a standard error.
 const SETTLED: f64 = 1e-4;
-/// Renders are f32: what is below (1e-7)² of the signal is rounding.
-const ROUNDING: f64 = 1e-14;
+/// Renders are f32: their pixels are rounded by this share, root mean square.
+const ROUNDING: f64 = 3e-8;
 
 impl NormalEquations {
-    /// The decrease of the cost that no longer matters.
+    /// The decrease of the cost that no longer matters, or that rounding hides: the sum of r²/2 over pixels with errors e
+    /// is off by that of r e, about |r| |e| / √pixels, and by that of e².
     pub(super) fn negligible(&self) -> f64 {
-        SETTLED * self.cost / self.pixels as f64 + ROUNDING * self.signal
+        let (pixels, rounding) = (self.pixels as f64, ROUNDING * self.signal.sqrt());
+        let mean_cost = self.cost.max(0.0) / pixels;
+        SETTLED * mean_cost + rounding * (2.0 * mean_cost).sqrt() + rounding * rounding
     }
 
     pub(super) fn add(&mut self, other: NormalEquations) {

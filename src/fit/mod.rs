@@ -10,8 +10,11 @@ mod equations;
 mod exposure;
 mod observed;
 mod parameters;
+mod renders;
+mod search;
 mod solver;
 mod start;
+mod sums;
 mod uncertainty;
 
 pub mod report;
@@ -25,7 +28,7 @@ pub use solver::Method;
 pub use uncertainty::{Status, Uncertainty};
 
 use crate::error::{Error, Result};
-use crate::filter::{Backend, Optics, hidden_share};
+use crate::filter::{Backend, Coverage, Optics, hidden_share};
 use crate::geometry::Geometry;
 use crate::image::Image;
 use crate::medium::Medium;
@@ -33,10 +36,12 @@ use crate::phase::Gaussian;
 use crate::relief::Relief;
 use crate::scene::{FitOptions, Gain};
 use crate::spread::Model;
-use comparison::Comparison;
-use equations::NormalEquations;
+use equations::{NormalEquations, Products};
 use exposure::exposures;
 use observed::Observed;
+use renders::Renders;
+use start::Split;
+use sums::Sums;
 
 /// What to fit with.
 #[derive(Clone, Copy)]
@@ -49,6 +54,8 @@ pub struct Settings<'a> {
     pub method: Method,
     /// Iterations after which a fit is given up.
     pub max_iterations: u64,
+    /// Whether to find the optimum by sums over the image where a scene allows it, instead of by renders.
+    pub sums: bool,
     /// Called after every render.
     pub progress: &'a dyn Fn(),
 }
@@ -60,6 +67,7 @@ impl Default for Settings<'_> {
             backend: Backend::Cpu,
             method: Method::LevenbergMarquardt,
             max_iterations: 200,
+            sums: true,
             progress: &|| (),
         }
     }
@@ -90,7 +98,7 @@ pub struct ChannelFit {
     pub converged: bool,
     /// Whether the noise of the scenes, the planning of the renders and the pixels left out settled.
     pub settled: bool,
-    /// Whether the kernels reach beyond the padding, [`Coverage::cut`](crate::filter::Coverage).
+    /// Whether the kernels reach beyond the padding, [`Coverage::cut`](crate::filter::cpu::Coverage).
     pub cut: bool,
     /// Why it stopped.
     pub stop: String,
@@ -98,6 +106,11 @@ pub struct ChannelFit {
     pub iterations: u64,
     /// Renders, with and without derivatives.
     pub evaluations: u64,
+    /// sigma_s, sigma_a and B as sums over the image had them, before renders confirmed them; `None` if renders alone found
+    /// the optimum.
+    pub by_sums: Option<[f64; 3]>,
+    /// Evaluations by sums.
+    pub sum_evaluations: u64,
     /// Real 2-D FFTs of one evaluation with derivatives, over all scenes.
     pub transforms: usize,
     /// Whether some scene's gain was free.
@@ -120,19 +133,22 @@ const MOST_ROUNDS: usize = 6;
 /// Fits one channel's medium to `data`; all scenes share it.
 ///
 /// If the fit from the automatic start does not describe the images, it may have ended in a false minimum: kernels
-/// wider than the view are then tried as starts too, and the best of all fits counts. Edges and slopes explain a misfit
-/// in another way, so scenes that have some are not tried again.
+/// wider than the view are then tried as starts too, and the best of all fits counts; by sums they always are. Edges and
+/// slopes explain a misfit in another way, so scenes that have some are not tried again.
 ///
 /// # Errors
 /// [`Error::NothingToFit`] if no pixel counts or every parameter is fixed, [`Error::OutOfRange`] for contradictory
 /// options, [`Error::NotFinite`] if a render is not finite.
 pub fn fit_channel(data: &[Datum], options: &FitOptions, settings: &Settings) -> Result<ChannelFit> {
-    let mut best = fit_from(data, options, settings, None)?;
+    let observed = data.iter().map(Observed::new).collect::<Result<Vec<_>>>()?;
+    let sums = settings.sums.then(|| Sums::of_all(&observed)).flatten();
+    let fit = |width, sums| fit_from((data, observed.clone()), options, settings, (width, sums));
+    let mut best = fit(None, sums.as_deref())?;
     let automatic = settings.model.spreads() && options.start == [None; 3];
     let flat = || data.iter().all(|d| Relief::new(d.target.geometry).is_flat());
-    if best.reduced_chi2 > MISFIT && automatic && flat() {
+    if best.reduced_chi2 > MISFIT && automatic && best.by_sums.is_none() && flat() {
         for width in start::BEYOND_THE_VIEW {
-            let other = fit_from(data, options, settings, Some(width))?;
+            let other = fit(Some(width), None)?;
             if other.reduced_chi2 < best.reduced_chi2 {
                 best = other;
             }
@@ -141,39 +157,61 @@ pub fn fit_channel(data: &[Datum], options: &FitOptions, settings: &Settings) ->
     Ok(best)
 }
 
-/// The fit from one start: the automatic one, or a kernel of a `width` in views.
-fn fit_from(
-    data: &[Datum],
+/// The fit from one start, the automatic one or a kernel of a `width` in views; by `sums`, if there are any, from the best
+/// of all starts.
+fn fit_from<'a>(
+    (data, mut observed): (&[Datum<'a>], Vec<Observed<'a>>),
     options: &FitOptions,
-    settings: &Settings,
-    width: Option<f64>,
+    settings: &Settings<'a>,
+    (width, mut sums): (Option<f64>, Option<&[Sums]>),
 ) -> Result<ChannelFit> {
-    let mut observed = data.iter().map(Observed::new).collect::<Result<Vec<_>>>()?;
-    let geometries: Vec<&Geometry> = data.iter().map(|d| d.target.geometry).collect();
-    let median_z = median_path_length(&geometries);
+    let scenes: Vec<&Geometry> = data.iter().map(|d| d.target.geometry).collect();
+    let median_z = median_path_length(&scenes);
     let mut parameters = Parameters::new(options, settings.model, median_z)?;
-    let mut evaluations = 0;
-    match width {
-        None => evaluations += start::choose(&mut parameters, options, data, &observed, settings, median_z)?,
-        Some(width) => start::place(&mut parameters, data, width, median_z),
+    let (mut evaluations, mut sum_evaluations) = (0, 0);
+    let mut start = None;
+    if let Some(all) = sums {
+        let search = search::search(&parameters, options, (data, &observed, all), settings, median_z)?;
+        sum_evaluations += search.evaluations;
+        match search.best {
+            Some((from, best)) => (start, parameters) = (Some(from), best),
+            None => sums = None,
+        }
     }
-    let start = parameters.values();
+    match (start, width) {
+        (Some(_), _) => {}
+        (None, None) => {
+            evaluations += start::choose(&mut parameters, options, data, &observed, settings, median_z)?;
+        }
+        (None, Some(width)) => {
+            let split = Split::mean(data, median_z);
+            start::place(&mut parameters, (data, &split), width, median_z);
+        }
+    }
+    let start = start.unwrap_or(parameters.values());
     let unknown_noise = data.iter().any(|d| d.noise.is_none());
     let mut iterations = 0;
     let mut round = 0;
-    let mut scenes = plan(data, &observed, &parameters, settings)?;
+    let mut renders = Renders::new(data, &observed, &parameters, settings)?;
     loop {
         round += 1;
-        let outcome = solver::run(Problem::new(&scenes, &observed, &parameters, settings), settings)?;
+        if let Some(sums) = sums {
+            let found =
+                solver::run(Problem::new(Source::Sums(sums), &observed, &parameters, settings), settings)?;
+            sum_evaluations += found.evaluations;
+            parameters.set_internal(&found.point);
+        }
+        let by_sums = sums.map(|_| parameters.values());
+        let problem = Problem::new(Source::Renders(&renders), &observed, &parameters, settings);
+        let outcome = solver::run(problem, settings)?;
         iterations += outcome.iterations;
         evaluations += outcome.evaluations;
         parameters.set_internal(&outcome.point);
         let unsettled = exposures(&outcome.equations, &observed, None);
-        let renders =
-            Problem::new(&scenes, &observed, &parameters, settings).exposed_renders(&unsettled, data)?;
+        let images = renders.exposed(&parameters, settings, &unsettled, data)?;
         // Only the ratio of the scenes' weights moves the optimum, so one scene is settled whatever its noise.
         let mut change: f64 = 0.0;
-        for ((o, datum), render) in observed.iter_mut().zip(data).zip(&renders) {
+        for ((o, datum), render) in observed.iter_mut().zip(data).zip(&images) {
             if datum.noise.is_none() {
                 let noise = o.fine_noise(render);
                 change = change.max((noise / o.noise - 1.0).abs());
@@ -182,28 +220,20 @@ fn fit_from(
         }
         let hidden_shares = hidden_shares(data, &parameters, settings)?;
         let mut uncovered = false;
-        for ((o, share), scene) in observed.iter_mut().zip(&hidden_shares).zip(&mut scenes) {
+        for (i, (o, share)) in observed.iter_mut().zip(&hidden_shares).enumerate() {
             if let Some(share) = share
                 && round < MOST_ROUNDS
                 && o.leave_out_hidden(share)?
             {
-                scene.observe(o)?;
+                renders.observe(i, o)?;
                 uncovered = true;
             }
         }
         let settled = !uncovered && (data.len() == 1 || change < NOISE_SETTLED);
-        let (served, cut) = with_optics(&parameters, settings.model, |optics| {
-            let (mut served, mut cut) = (true, false);
-            for scene in &scenes {
-                let coverage = scene.filter.coverage(optics)?;
-                served &= coverage.served;
-                cut |= coverage.cut;
-            }
-            Ok((served, cut))
-        })?;
+        let Coverage { served, cut } = renders.coverage(&parameters, settings)?;
         let settled = settled && served;
         if settled || round == MOST_ROUNDS || !outcome.converged {
-            let problem = Problem::new(&scenes, &observed, &parameters, settings);
+            let problem = Problem::new(Source::Renders(&renders), &observed, &parameters, settings);
             let last = if unknown_noise { problem.equations(&outcome.point)? } else { outcome.equations };
             let fitted = parameters.free_count() + data.iter().map(Datum::free_exposure).sum::<usize>();
             let pixels = observed.iter().map(Observed::pixels).sum::<usize>();
@@ -213,7 +243,7 @@ fn fit_from(
             let uncertainty = Uncertainty::new(&last, &parameters, median_z, inflation);
             return Ok(ChannelFit {
                 start,
-                renders,
+                renders: images,
                 hidden_shares,
                 exposures: exposures(&last, &observed, Some(&uncertainty)),
                 uncertainty,
@@ -228,20 +258,29 @@ fn fit_from(
                 stop: outcome.stop,
                 iterations,
                 evaluations,
-                transforms: scenes.iter().map(|s| s.filter.transforms().1).sum(),
+                by_sums,
+                sum_evaluations,
+                transforms: renders.transforms(),
                 free_gain: data.iter().any(|d| d.gain == Gain::Free),
                 parameters,
             });
         }
         if !served {
-            scenes = plan(data, &observed, &parameters, settings)?;
+            renders = Renders::new(data, &observed, &parameters, settings)?;
         }
     }
 }
 
+/// What the sums of products of a problem come from.
+#[derive(Clone, Copy)]
+enum Source<'a> {
+    Renders(&'a Renders<'a>),
+    Sums(&'a [Sums<'a>]),
+}
+
 /// The optimisation problem handed to a solver: parameters in, normal equations out.
 pub(crate) struct Problem<'a> {
-    scenes: &'a [Comparison<'a>],
+    source: Source<'a>,
     observed: &'a [Observed<'a>],
     parameters: &'a Parameters,
     settings: &'a Settings<'a>,
@@ -249,12 +288,12 @@ pub(crate) struct Problem<'a> {
 
 impl<'a> Problem<'a> {
     fn new(
-        scenes: &'a [Comparison<'a>],
+        source: Source<'a>,
         observed: &'a [Observed<'a>],
         parameters: &'a Parameters,
         settings: &'a Settings<'a>,
     ) -> Self {
-        Self { scenes, observed, parameters, settings }
+        Self { source, observed, parameters, settings }
     }
 
     pub(crate) fn parameters(&self) -> &Parameters {
@@ -263,43 +302,33 @@ impl<'a> Problem<'a> {
 
     /// Cost, gradient and Gauss-Newton matrix at the internal point `u`.
     pub(crate) fn equations(&self, u: &[f64; 3]) -> Result<NormalEquations> {
-        let scale = self.parameters.chain(u);
         let parameters = self.parameters.at(u);
-        with_optics(&parameters, self.settings.model, |optics| {
-            let mut sum = NormalEquations::default();
-            for (scene, observed) in self.scenes.iter().zip(self.observed) {
-                let products = scene.products(optics, observed, true)?;
-                sum.add(observed.compare(&products, scale));
-                (self.settings.progress)();
-            }
-            finite(sum, &parameters)
-        })
+        let products = match self.source {
+            Source::Renders(renders) => renders.products(&parameters, self.settings, self.observed)?,
+            Source::Sums(sums) => with_optics(&parameters, self.settings.model, |optics| {
+                sums.iter().map(|s| s.products(optics)).collect()
+            })?,
+        };
+        finite(self.compare(&products, self.parameters.chain(u)), &parameters)
     }
 
     /// Cost alone at the internal point `u`.
     pub(crate) fn cost(&self, u: &[f64; 3]) -> Result<f64> {
-        let parameters = self.parameters.at(u);
-        with_optics(&parameters, self.settings.model, |optics| {
-            let mut cost = 0.0;
-            for (scene, observed) in self.scenes.iter().zip(self.observed) {
-                let products = scene.products(optics, observed, false)?;
-                cost += observed.compare(&products, [0.0; 3]).cost;
-                (self.settings.progress)();
+        match self.source {
+            Source::Renders(renders) => {
+                let products = renders.levels(&self.parameters.at(u), self.settings, self.observed)?;
+                Ok(self.compare(&products, [0.0; 3]).cost)
             }
-            Ok(cost)
-        })
+            Source::Sums(_) => Ok(self.equations(u)?.cost),
+        }
     }
 
-    /// Every scene rendered at the parameters, exposed and veiled as it was observed.
-    fn exposed_renders(&self, exposures: &[Exposure], data: &[Datum]) -> Result<Vec<Image>> {
-        with_optics(self.parameters, self.settings.model, |optics| {
-            let scenes = self.scenes.iter().zip(exposures).zip(data);
-            scenes
-                .map(
-                    |((scene, exposure), datum)| Ok(exposure.apply(scene.filter.render(optics)?, datum.veil)),
-                )
-                .collect()
-        })
+    fn compare(&self, products: &[Products], chain: [f64; 3]) -> NormalEquations {
+        let mut sum = NormalEquations::default();
+        for (observed, products) in self.observed.iter().zip(products) {
+            sum.add(observed.compare(products, chain));
+        }
+        sum
     }
 }
 
@@ -321,20 +350,6 @@ pub(crate) fn with_optics<T>(
     let [sigma_s, sigma_a, b] = parameters.values();
     let phase = Gaussian::new(b)?;
     f(&Optics { model, medium: Medium::new(sigma_s, sigma_a)?, phase: &phase })
-}
-
-fn plan<'a>(
-    data: &[Datum<'a>],
-    observed: &[Observed],
-    parameters: &Parameters,
-    settings: &Settings<'a>,
-) -> Result<Vec<Comparison<'a>>> {
-    with_optics(parameters, settings.model, |optics| {
-        let scene = |(d, o): (&Datum<'a>, &Observed)| {
-            Comparison::new(settings.backend.prepare(d.target, optics, HEADROOM)?, o)
-        };
-        data.iter().zip(observed).map(scene).collect()
-    })
 }
 
 /// Each scene's share of hidden light.

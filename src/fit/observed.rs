@@ -20,6 +20,7 @@ const HIDDEN_SETTLED: f64 = 0.002;
 const FEWEST_LAPLACIANS: i32 = 100;
 
 /// A datum with its pixels gathered: values of those that count, known veil taken off.
+#[derive(Clone)]
 pub(super) struct Observed<'a> {
     pub datum: Datum<'a>,
     /// Whether each pixel of the view counts.
@@ -91,6 +92,13 @@ impl<'a> Observed<'a> {
         self.pixels.len()
     }
 
+    /// The observed value of every pixel of the view that counts, known veil taken off.
+    pub(super) fn values(&self) -> Vec<Option<f32>> {
+        let mut values = vec![None; self.counts.len()];
+        self.pixels.iter().for_each(|&(i, y)| values[i as usize] = Some(y));
+        values
+    }
+
     /// Gain and veil as given, 1 and 0 where they are free.
     pub(super) fn given_exposure(&self) -> Vector2<f64> {
         let Gain::Fixed(gain) = self.datum.gain else { return Vector2::new(1.0, 0.0) };
@@ -100,15 +108,6 @@ impl<'a> Observed<'a> {
     /// What a fit needs of `image`, rendered with or without `gradient`.
     pub(super) fn products(&self, image: &Image, gradient: Option<&[Image; 3]>) -> Products {
         Products::over(&self.pixels, image, gradient, self.given_exposure())
-    }
-
-    /// Every pixel of the view, known veil taken off, and whether it counts.
-    pub(super) fn values(&self) -> impl Iterator<Item = (f32, bool)> {
-        let mut all: Vec<(f32, bool)> = vec![(0.0, false); self.counts.len()];
-        for &(i, y) in &self.pixels {
-            all[i as usize] = (y, true);
-        }
-        all.into_iter()
     }
 
     /// Gain and veil that fit best.

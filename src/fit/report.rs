@@ -220,8 +220,10 @@ fn summary(channels: &[(String, ChannelFit)], seconds: f64) -> Value {
         "reduced_chi2": chi2,
         "pixels": pixels,
         "hidden_pixels": sum(|f| f.hidden_pixels as u64),
+        "path": if fits().all(|f| f.by_sums.is_some()) { "sums" } else { "renders" },
         "iterations": sum(|f| f.iterations),
         "evaluations": sum(|f| f.evaluations),
+        "sum_evaluations": sum(|f| f.sum_evaluations),
         "seconds": seconds,
     })
 }

@@ -8,10 +8,11 @@
 
 use super::comparison::Comparison;
 use super::datum::{Datum, VeilTerm};
+use super::equations::Products;
 use super::observed::Observed;
 use super::{Parameters, Settings, with_optics};
 use crate::error::Result;
-use crate::filter::Target;
+use crate::filter::{Optics, Target};
 use crate::scene::{FitOptions, Gain};
 
 /// Blur widths tried, as shares of the view's smaller side.
@@ -32,63 +33,97 @@ pub(super) fn choose<'a>(
     settings: &Settings<'a>,
     median_z: f64,
 ) -> Result<u64> {
-    let Split { sigma_s, sigma_a } = Split::mean(data, median_z);
-    let open: [bool; 3] = std::array::from_fn(|i| options.start[i].is_none() && !parameters.is_fixed(i));
-    let model = settings.model;
-    let (scan_depth, scan_width) = (open[0] && model.spreads(), open[2]);
-    for (i, value) in [(0, sigma_s), (1, sigma_a)] {
-        if open[i] {
-            parameters.set(i, value);
-        }
-    }
-    if !scan_width && !scan_depth {
-        return Ok(0);
-    }
-    let widths: Vec<f64> = if scan_width {
-        WIDTHS.map(|share| b_of_view_share(share, &data[0], median_z)).to_vec()
-    } else {
-        vec![parameters.values()[2]]
-    };
-    let depths: &[f64] = if scan_depth { &DEPTHS } else { &[1.0] };
-    let scene = |(d, o): (&Datum<'a>, &Observed)| {
-        let target = Target { relief: None, ..d.target };
-        Comparison::new(settings.backend.prepare_slices(target, SLICES, 0.5 * view_side_px(d))?, o)
-    };
-    let scenes = data.iter().zip(observed).map(scene).collect::<Result<Vec<_>>>()?;
-    let first = parameters.clone();
-    let mut best = f64::INFINITY;
-    let mut renders = 0;
-    for &depth in depths {
-        for &b in &widths {
-            let mut trial = first.clone();
-            trial.set(0, first.values()[0] * depth);
-            trial.set(2, b);
-            let mut level = Level::default();
-            for ((scene, observed), datum) in scenes.iter().zip(observed).zip(data) {
-                let products = with_optics(&trial, model, |optics| scene.products(optics, observed, false))?;
-                level.add(observed.levels(&products), datum.gain);
-                renders += 1;
-                (settings.progress)();
-            }
-            let brightest = if open[1] { (trial.values()[1] * median_z).exp() } else { 1.0 };
-            let scale = if open[1] { level.best_scale().clamp(1.0 / DARKEST, brightest) } else { 1.0 };
-            if level.cost(scale) < best {
-                best = level.cost(scale);
-                trial.set(1, trial.values()[1] - scale.ln() / median_z);
-                *parameters = trial;
+    let mut scenes = Vec::new();
+    let split = Split::mean(data, median_z);
+    let scan = Scan { data, observed, split: &split, settings, median_z };
+    scan.best(parameters, options, (&WIDTHS, &DEPTHS), |i, optics| {
+        if scenes.is_empty() {
+            for (d, o) in data.iter().zip(observed) {
+                let target = Target { relief: None, ..d.target };
+                let filter = settings.backend.prepare_slices(target, SLICES, 0.5 * view_side_px(d))?;
+                scenes.push(Comparison::new(filter, o)?);
             }
         }
+        let products = scenes[i].levels(optics, &observed[i])?;
+        (settings.progress)();
+        Ok(products)
+    })
+}
+
+/// What trial media are compared with.
+pub(super) struct Scan<'s> {
+    pub data: &'s [Datum<'s>],
+    pub observed: &'s [Observed<'s>],
+    pub split: &'s Split,
+    pub settings: &'s Settings<'s>,
+    pub median_z: f64,
+}
+
+impl Scan<'_> {
+    /// Sets the values that the user has neither fixed nor started to the best of all trials of `widths` and `depths`;
+    /// `products` tells what a scene makes of a trial. Returns how often it was asked.
+    pub(super) fn best(
+        &self,
+        parameters: &mut Parameters,
+        options: &FitOptions,
+        (widths, depths): (&[f64], &[f64]),
+        mut products: impl FnMut(usize, &Optics) -> Result<Products>,
+    ) -> Result<u64> {
+        let Self { data, observed, split: &Split { sigma_s, sigma_a }, settings, median_z } = *self;
+        let open: [bool; 3] = std::array::from_fn(|i| options.start[i].is_none() && !parameters.is_fixed(i));
+        let (scan_depth, scan_width) = (open[0] && settings.model.spreads(), open[2]);
+        for (i, value) in [(0, sigma_s), (1, sigma_a)] {
+            if open[i] {
+                parameters.set(i, value);
+            }
+        }
+        if !scan_width && !scan_depth {
+            return Ok(0);
+        }
+        let widths: Vec<f64> = if scan_width {
+            widths.iter().map(|&share| b_of_view_share(share, &data[0], median_z)).collect()
+        } else {
+            vec![parameters.values()[2]]
+        };
+        let depths = if scan_depth { depths } else { &[1.0] };
+        let first = parameters.clone();
+        let mut best = f64::INFINITY;
+        let mut asked = 0;
+        for &depth in depths {
+            for &b in &widths {
+                let mut trial = first.clone();
+                trial.set(0, first.values()[0] * depth);
+                trial.set(2, b);
+                let mut level = Level::default();
+                for (i, (observed, datum)) in observed.iter().zip(data).enumerate() {
+                    let products = with_optics(&trial, settings.model, |optics| products(i, optics))?;
+                    level.add(observed.levels(&products), datum.gain);
+                    asked += 1;
+                }
+                let brightest = if open[1] { (trial.values()[1] * median_z).exp() } else { 1.0 };
+                let scale = if open[1] { level.best_scale().clamp(1.0 / DARKEST, brightest) } else { 1.0 };
+                if level.cost(scale) < best {
+                    best = level.cost(scale);
+                    trial.set(1, trial.values()[1] - scale.ln() / median_z);
+                    *parameters = trial;
+                }
+            }
+        }
+        Ok(asked)
     }
-    Ok(renders)
 }
 
 /// Widths of kernels wider than the view to begin from where narrower ones failed, in views.
 pub(super) const BEYOND_THE_VIEW: [f64; 2] = [0.7, 2.5];
 
 /// Begins from a kernel of `width` views, and light dimmed half by scattering out of the view, half by absorption.
-pub(super) fn place(parameters: &mut Parameters, data: &[Datum], width: f64, median_z: f64) {
-    let Split { sigma_s, sigma_a } = Split::mean(data, median_z);
-    let dimmed = sigma_s + sigma_a;
+pub(super) fn place(
+    parameters: &mut Parameters,
+    (data, split): (&[Datum], &Split),
+    width: f64,
+    median_z: f64,
+) {
+    let dimmed = split.sigma_s + split.sigma_a;
     parameters.set(0, 0.5 * dimmed);
     parameters.set(1, 0.5 * dimmed);
     parameters.set(2, b_of_view_share(width, &data[0], median_z));
@@ -139,13 +174,13 @@ impl Level {
 }
 
 /// Coefficients from one scene's direct share and mean level.
-struct Split {
+pub(super) struct Split {
     sigma_s: f64,
     sigma_a: f64,
 }
 
 impl Split {
-    fn mean(data: &[Datum], median_z: f64) -> Self {
+    pub(super) fn mean(data: &[Datum], median_z: f64) -> Self {
         let splits: Vec<Split> = data.iter().map(|d| Split::of(d, median_z)).collect();
         let mean = |f: fn(&Split) -> f64| splits.iter().map(f).sum::<f64>() / splits.len() as f64;
         Self { sigma_s: mean(|s| s.sigma_s), sigma_a: mean(|s| s.sigma_a) }
@@ -156,8 +191,9 @@ impl Split {
             Gain::Fixed(gain) => gain,
             Gain::Free => 1.0,
         };
-        let level = (level_ratio(datum) / gain).clamp(1e-6, 1e6);
-        let direct = detail_ratio(datum).map_or(0.4 * level, |d| (d / gain).clamp(1e-6, level));
+        let (level, detail) = rayon::join(|| level_ratio(datum), || detail_ratio(datum));
+        let level = (level / gain).clamp(1e-6, 1e6);
+        let direct = detail.map_or(0.4 * level, |d| (d / gain).clamp(1e-6, level));
         let tau = (level / direct).ln().clamp(TAU.0, TAU.1);
         // With a free gain the level says nothing of the absorption.
         let absorbed = if datum.gain == Gain::Free { 0.0 } else { -level.min(1.0).ln() };
