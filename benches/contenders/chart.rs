@@ -59,43 +59,54 @@ fn against_error(rows: &[Row]) -> LineChart {
     }
 }
 
-fn by_width<'a>(rows: &'a [Row], n: usize, method: Method) -> impl Iterator<Item = &'a Row> {
-    rows.iter().filter(move |r| r.n == n && r.slope && r.method == method)
+/// A contender's series for a whole frame, and for its render alone.
+fn by_width(
+    rows: &[Row],
+    n: usize,
+    method: Method,
+    milliseconds: impl Fn(&Row) -> Option<[f64; 2]>,
+) -> [Option<Series>; 2] {
+    let mine: Vec<&Row> = rows.iter().filter(|r| r.n == n && r.slope && r.method == method).collect();
+    let points =
+        |i: usize| mine.iter().filter_map(|&r| Some((r.width_px, milliseconds(r)?[i]))).collect::<Vec<_>>();
+    let name = method.name();
+    [series(name.into(), points(0).into_iter()), series(format!("{name}, render"), points(1).into_iter())]
+}
+
+/// Whole frames by all contenders, then the renders of those whose preparation costs much.
+fn frames_and_renders(by_width: impl Fn(Method) -> [Option<Series>; 2], names: &[&str]) -> Vec<Series> {
+    let (mut frames, mut renders) = (Vec::new(), Vec::new());
+    for method in Method::GRID.into_iter().filter(|m| names.contains(&m.name())) {
+        let [frame, render] = by_width(method);
+        frames.extend(frame);
+        renders.extend(render.filter(|_| ["fft", "pyramid"].contains(&method.name())));
+    }
+    frames.extend(renders);
+    frames
 }
 
 fn against_width(rows: &[Row]) -> LineChart {
-    let whole = |method: Method| {
-        let points = by_width(rows, TIMED, method).filter_map(|r| Some((r.width_px, 1e3 * r.frame()?.0)));
-        series(method.name().into(), points)
-    };
-    let render =
-        by_width(rows, TIMED, Method::Fft(None)).filter_map(|r| Some((r.width_px, 1e3 * r.timing?.render)));
-    let mut all: Vec<Series> = Method::GRID.into_iter().filter_map(whole).collect();
-    all.extend(series("fft, prepared".into(), render));
+    let timed = |r: &Row| r.timing.map(|t| [t.prepare + t.render, t.render].map(|s| 1e3 * s));
+    let names = ["cpu", "fft", "gather", "gaussians", "pyramid"];
     LineChart {
-        title: format!("Whole frame of {TIMED} x {TIMED} px, software adapter: time against width"),
+        title: format!("Frame of {TIMED} x {TIMED} px, software adapter: time against width"),
         x: log("kernel width z·sqrt(B)/pitch (px)"),
-        y: log("preparation and render (ms)"),
-        series: all,
+        y: log("preparation and render, or render alone (ms)"),
+        series: frames_and_renders(|method| by_width(rows, TIMED, method, timed), &names),
     }
 }
 
 fn counted(rows: &[Row]) -> LineChart {
-    let whole = |method: Method| {
-        let points = by_width(rows, COUNTED, method).map(|r| (r.width_px, 1e3 * r.counted()));
-        series(method.name().into(), points)
+    let counted = |r: &Row| {
+        let [prepare, render] = r.work.map(|w| 1e3 * w.seconds());
+        Some([prepare + render, render])
     };
-    let render = by_width(rows, COUNTED, Method::Fft(None)).map(|r| (r.width_px, 1e3 * r.work[1].seconds()));
     // The CPU filter does what `fft` does.
-    let contenders = Method::GRID.into_iter().filter(|&m| m != Method::Cpu);
-    let mut all: Vec<Series> = contenders.filter_map(whole).collect();
-    all.extend(series("fft, prepared".into(), render));
+    let names = ["fft", "gather", "gaussians", "pyramid"];
     LineChart {
-        title: format!(
-            "Whole frame of {COUNTED} x {COUNTED} px, counted: 10 Tflop/s, 400 GB/s, 5 µs a dispatch"
-        ),
+        title: format!("Frame of {COUNTED} x {COUNTED} px, counted: 10 Tflop/s, 400 GB/s, 5 µs a dispatch"),
         x: log("kernel width z·sqrt(B)/pitch (px)"),
-        y: log("preparation and render (ms)"),
-        series: all,
+        y: log("preparation and render, or render alone (ms)"),
+        series: frames_and_renders(|method| by_width(rows, COUNTED, method, counted), &names),
     }
 }

@@ -56,11 +56,6 @@ impl Row {
     pub fn frame(&self) -> Option<(f64, f64)> {
         self.timing.map(|t| (t.prepare + t.render, t.l2))
     }
-
-    /// Seconds of a whole frame on the round adapter.
-    pub fn counted(&self) -> f64 {
-        (self.work[0]).seconds() + self.work[1].seconds()
-    }
 }
 
 /// All rows; times and errors are empty where nothing was timed.

@@ -3,6 +3,12 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+#[path = "../../benches/contenders/methods/mod.rs"]
+#[allow(dead_code, reason = "the bench uses all of it")]
+mod contenders;
+
+#[path = "contenders.rs"]
+mod contenders_are_right;
 mod images;
 mod scenes;
 

@@ -13,30 +13,33 @@ pub struct Ladder {
     pub sigmas: Vec<f64>,
     /// For each the number of halvings of the image on which it is done.
     pub levels: Vec<usize>,
+    /// Highest frequency of the fit, rad/px: aliases count, and more for a kernel narrower than a pixel.
+    highest: f64,
 }
 
-/// The widest Gaussian over the width z sqrt(B) of the widest kernel, and the narrowest, px: narrower ones cannot be told
-/// from a pixel, which is there besides.
+/// The widest Gaussian over the width z sqrt(B) of the widest kernel, and the narrowest over that or a pixel: narrower
+/// ones cannot be told from a point, which is there besides.
 const WIDEST: f64 = 2.4;
 const NARROWEST: f64 = 0.2;
 /// Standard deviation in px of its own image above which a Gaussian may be done on a coarser one: what the half-band
-/// filter lets through in its transition is then damped below 1e-4.
+/// filter lets through in its transition is then damped to 1e-4.
 const COARSE: f64 = 2.7;
 
 impl Ladder {
     /// The ladder for kernels up to `width_px`, each Gaussian `ratio` times as wide as the next.
     pub fn new(width_px: f64, ratio: f64, coarse: bool) -> Self {
         let widest = WIDEST * width_px;
-        let count = ((widest / NARROWEST).ln() / ratio.ln()).floor().max(0.0) as usize + 1;
+        let finest = width_px.min(1.0);
+        let count = ((widest / (NARROWEST * finest)).ln() / ratio.ln()).floor().max(0.0) as usize + 1;
         let sigmas: Vec<f64> = (0..count).map(|i| widest * ratio.powi(-(i as i32))).collect();
         let level = |&sigma: &f64| if coarse { (sigma / COARSE).log2().floor().max(0.0) as usize } else { 0 };
-        Self { levels: sigmas.iter().map(level).collect(), sigmas }
+        Self { levels: sigmas.iter().map(level).collect(), sigmas, highest: HIGHEST / finest }
     }
 
     /// Coefficients in depth of every Gaussian's weight, then of that of the light which stays in its pixel: least
     /// squares over frequencies on a logarithmic scale, which is how images are: of each octave as much.
     pub fn weights(&self, depths: &Depths, pitch: f64, optics: &Optics) -> Result<Vec<Vec<f64>>> {
-        let (first, last) = (0.05 / self.sigmas[0], HIGHEST);
+        let (first, last) = (0.05 / self.sigmas[0], self.highest);
         let w = |i: usize| first * (last / first).powf(i as f64 / (FREQUENCIES - 1) as f64);
         let columns = self.sigmas.len() + 1;
         let value = |w: f64, j: usize| self.sigmas.get(j).map_or(1.0, |s| (-0.5 * (s * w).powi(2)).exp());
@@ -69,7 +72,7 @@ impl Ladder {
     }
 }
 
-/// Frequencies of the fit, the highest (rad/px; aliases count), weight of the sum, and damping.
+/// Frequencies of the fit, the highest (rad over the kernel's width or a pixel), weight of the sum, and damping.
 const FREQUENCIES: usize = 240;
 const HIGHEST: f64 = 25.0;
 const SUM_WEIGHT: f64 = 100.0;

@@ -20,6 +20,8 @@ const DEPTH: f64 = 2.0;
 const DEPTHS: usize = 16;
 /// Share of the light that may fall beyond the padding of the reference and of the program.
 const OUTSIDE: [f64; 2] = [1e-7, 1e-5];
+/// Where the program's padding stops, unless two sides are more.
+const MOST_PADDED_PX: usize = 4096;
 /// What the program allows its slices.
 const SLICE_TOLERANCE: f64 = 1e-4;
 
@@ -103,7 +105,8 @@ impl Scene {
         let pitch = self.pitch();
         let nodes: Vec<Node> = self.path_lengths().map(|z| Node { z, pitch }).collect();
         let slices = Slices::for_tolerance(0.0, &nodes, &self.optics(), SLICE_TOLERANCE);
-        let padded = self.n + self.reach_px(OUTSIDE[1]).ceil() as usize;
+        let most = MOST_PADDED_PX.saturating_sub(self.n).max(2 * self.n);
+        let padded = self.n + (self.reach_px(OUTSIDE[1]).ceil() as usize).min(most);
         (slices.expect("a Gaussian lobe suits every model").nodes.len(), fast_size(padded))
     }
 
