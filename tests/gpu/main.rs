@@ -3,7 +3,13 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+#[path = "../../benches/contenders/methods/mod.rs"]
+#[allow(dead_code, reason = "the bench uses all of it")]
+mod contenders;
+
 mod adapters;
+#[path = "contenders.rs"]
+mod contenders_are_right;
 mod fits;
 mod images;
 mod scenes;
