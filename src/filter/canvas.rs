@@ -5,6 +5,7 @@ use super::fft2::{Fft2, fast_size};
 use super::footprint::sinc2;
 use super::tables::{AliasTable, Basis};
 use crate::image::{Border, Image, View};
+use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 use std::f64::consts::PI;
 
@@ -23,12 +24,14 @@ pub(super) struct Canvas {
     pub border: Border,
     pub padded: [Padded; 2],
     pub object: [usize; 2],
+    /// For each column and row of the canvas what it shows of the object image, and the factor of slopes there.
+    shown: [Vec<Option<(usize, f32)>>; 2],
 }
 
-/// A pixel of the canvas and the object pixel that it shows.
+/// A pixel of a row of the canvas and the object pixel that it shows.
 pub(super) struct Place {
-    /// Index in the canvas.
-    pub at: usize,
+    /// Column of the canvas.
+    pub x: usize,
     /// Index in the object image.
     pub of: usize,
     /// Factor of the slope along x and y: -1 where the image is mirrored.
@@ -42,32 +45,42 @@ impl Canvas {
         let padded = object.map(|n| padded(n, target.border, reach_px.min(most_reach(target))));
         let fft = Fft2::new(padded[0].size, padded[1].size);
         let axes = padded.map(|p| Axis::new(p.size));
-        Self { fft, axes, border: target.border, padded, object }
+        let border = target.border;
+        let shown = [0, 1].map(|axis| {
+            let (n, Padded { size, margin }) = (object[axis], padded[axis]);
+            let shows = |i: usize| {
+                let position = i as i64 - margin as i64;
+                Some((border.index(position, n)?, border.turn(position, n) as f32))
+            };
+            (0..size).map(shows).collect()
+        });
+        Self { fft, axes, border, padded, object, shown }
     }
 
     pub(super) fn pixels(&self) -> usize {
         self.fft.width * self.fft.height
     }
 
-    /// Every pixel of the canvas that shows a pixel of the object image.
-    pub(super) fn places(&self) -> impl Iterator<Item = Place> + '_ {
-        let along = |axis: usize| {
-            let (n, Padded { size, margin }) = (self.object[axis], self.padded[axis]);
-            let shown = move |i: usize| {
-                let position = i as i64 - margin as i64;
-                Some((i, self.border.index(position, n)?, self.border.turn(position, n) as f32))
-            };
-            (0..size).filter_map(shown).collect::<Vec<_>>()
-        };
-        let (columns, rows) = (along(0), along(1));
-        rows.into_iter().flat_map(move |(j, y, turn_y)| {
-            let place = move |&(i, x, turn_x): &(usize, usize, f32)| Place {
-                at: j * self.fft.width + i,
-                of: y * self.object[0] + x,
-                turn: [turn_x, turn_y],
-            };
-            columns.iter().map(place).collect::<Vec<_>>()
+    /// The pixels of row `j` of the canvas that show a pixel of the object image.
+    pub(super) fn row(&self, j: usize) -> impl Iterator<Item = Place> + '_ {
+        let row = self.shown[1][j];
+        let columns = self.shown[0].iter().enumerate();
+        columns.filter_map(move |(i, column)| {
+            let ((x, turn_x), (y, turn_y)) = ((*column)?, row?);
+            Some(Place { x: i, of: y * self.object[0] + x, turn: [turn_x, turn_y] })
         })
+    }
+
+    /// Rows of several images on the canvas, side by side.
+    pub(super) fn rows<'p>(
+        &self,
+        planes: &'p mut [Vec<f32>],
+    ) -> impl IndexedParallelIterator<Item = Vec<&'p mut [f32]>> {
+        let mut rows: Vec<Vec<&mut [f32]>> = (0..self.fft.height).map(|_| Vec::new()).collect();
+        for plane in planes {
+            rows.iter_mut().zip(plane.chunks_mut(self.fft.width)).for_each(|(row, part)| row.push(part));
+        }
+        rows.into_par_iter()
     }
 
     /// Multiplies the part of `canvas` under `view` by `weights`.

@@ -102,7 +102,7 @@ impl<'a> CpuFilter<'a> {
         if optics.model == Model::BeerLambert {
             let mut planes = vec![vec![0.0; self.canvas.pixels()]; count];
             for segment in self.segments.iter().rev() {
-                segment.add_direct(&optics.medium, 0.0, &mut planes);
+                segment.add_direct(&self.canvas, &optics.medium, 0.0, &mut planes);
                 if let Some(gate) = &segment.screen {
                     planes.iter_mut().for_each(|plane| gate.stop(plane));
                 }
@@ -124,7 +124,7 @@ impl<'a> CpuFilter<'a> {
             }
         }
         let mut planes = sum.expect("there is an obliquity");
-        self.segments[0].add_direct(&optics.medium, 0.0, &mut planes);
+        self.segments[0].add_direct(&self.canvas, &optics.medium, 0.0, &mut planes);
         Ok(self.view(&planes))
     }
 

@@ -1,7 +1,7 @@
 //! What lies between two screens: its slices, and the light that it sends on towards the camera.
 
 use super::bend::bend;
-use super::canvas::{Canvas, Spectrum};
+use super::canvas::{Canvas, Place, Spectrum};
 use super::obliquity::Obliquity;
 use super::plan::Plan;
 use super::slices::{Node, Slices};
@@ -23,15 +23,15 @@ pub(super) struct Segment {
     bend: Vec<Spectrum>,
     /// Length of a pixel per unit of depth; 0 for parallel rays.
     divergence: f64,
-    /// Pixels whose direct light the screen lets pass.
-    direct: Vec<Direct>,
+    /// For each row of the canvas the pixels whose direct light the screen lets pass.
+    direct: Vec<Vec<Direct>>,
     /// What its light must pass.
     pub screen: Option<Gate>,
 }
 
-/// Direct light of a canvas pixel.
+/// Direct light of a pixel of a row of the canvas.
 struct Direct {
-    at: usize,
+    x: usize,
     /// Path length along the camera's axis, and the cosine of the ray off it.
     z: f64,
     cosine: f64,
@@ -73,25 +73,27 @@ impl Segment {
         };
         let Some(slices) = &segment.slices else { return segment };
         let count = slices.nodes.len();
-        let weighted = |value: &dyn Fn(&Source, [f32; 2]) -> f32| -> Vec<Vec<f32>> {
+        let weighted = |value: &(dyn Fn(&Source, [f32; 2]) -> f32 + Sync)| -> Vec<Vec<f32>> {
             let mut planes = vec![vec![0.0; canvas.pixels()]; count];
-            let mut latest: Option<(Node, Vec<f64>)> = None;
-            for place in canvas.places() {
-                for source in mine(place.of) {
-                    let value = value(&source, place.turn);
-                    if value != 0.0 {
-                        // Neighbours often lie at one depth.
-                        let weights = match latest.take() {
-                            Some((node, weights)) if node == source.node => weights,
-                            _ => slices.weights(source.node),
-                        };
-                        for (plane, weight) in planes.iter_mut().zip(&weights) {
-                            plane[place.at] += *weight as f32 * value;
+            canvas.rows(&mut planes).enumerate().for_each(|(j, mut row)| {
+                let mut latest: Option<(Node, Vec<f64>)> = None;
+                for place in canvas.row(j) {
+                    for source in mine(place.of) {
+                        let value = value(&source, place.turn);
+                        if value != 0.0 {
+                            // Neighbours often lie at one depth.
+                            let weights = match latest.take() {
+                                Some((node, weights)) if node == source.node => weights,
+                                _ => slices.weights(source.node),
+                            };
+                            for (part, weight) in row.iter_mut().zip(&weights) {
+                                part[place.x] += *weight as f32 * value;
+                            }
+                            latest = Some((source.node, weights));
                         }
-                        latest = Some((source.node, weights));
                     }
                 }
-            }
+            });
             planes
         };
         let light = weighted(&|s, _| s.light);
@@ -102,29 +104,39 @@ impl Segment {
             let fields = along(0).into_iter().zip(along(1));
             segment.bend = fields.map(|(x, y)| bend(canvas, [x, y])).collect();
         }
-        for place in canvas.places().filter(|place| screen.is_none_or(|s| !s.opaque[place.of])) {
-            for Source { node, cosine, light, .. } in mine(place.of) {
-                segment.direct.push(Direct { at: place.at, z: node.z, cosine, light });
-            }
-        }
+        let direct = |j: usize| -> Vec<Direct> {
+            let open = canvas.row(j).filter(|place| screen.is_none_or(|s| !s.opaque[place.of]));
+            let light = |place: Place| {
+                mine(place.of).map(move |s| Direct {
+                    x: place.x,
+                    z: s.node.z,
+                    cosine: s.cosine,
+                    light: s.light,
+                })
+            };
+            open.flat_map(light).collect()
+        };
+        segment.direct = (0..canvas.fft.height).into_par_iter().map(direct).collect();
         segment
     }
 
     /// Adds the direct light of this segment, as it is at the path length `from` along the axis, and its derivatives
     /// to `planes`.
-    pub(super) fn add_direct(&self, medium: &Medium, from: f64, planes: &mut [Vec<f32>]) {
-        let (mut last, mut transmittance) = (f64::NAN, 0.0);
-        for d in &self.direct {
-            let way = (d.z - from) / d.cosine;
-            if way != last {
-                (last, transmittance) = (way, (-medium.sigma_t() * way).exp() as f32);
+    pub(super) fn add_direct(&self, canvas: &Canvas, medium: &Medium, from: f64, planes: &mut [Vec<f32>]) {
+        canvas.rows(planes).zip(&self.direct).for_each(|(mut row, direct)| {
+            let (mut last, mut transmittance) = (f64::NAN, 0.0);
+            for d in direct {
+                let way = (d.z - from) / d.cosine;
+                if way != last {
+                    (last, transmittance) = (way, (-medium.sigma_t() * way).exp() as f32);
+                }
+                let light = transmittance * d.light;
+                let way = way as f32;
+                for (part, factor) in row.iter_mut().zip([1.0, -way, -way, 0.0]) {
+                    part[d.x] += factor * light;
+                }
             }
-            let light = transmittance * d.light;
-            let way = way as f32;
-            for (plane, factor) in planes.iter_mut().zip([1.0, -way, -way, 0.0]) {
-                plane[d.at] += factor * light;
-            }
-        }
+        });
     }
 
     /// Light scattered on its way to this segment's screen, or to the camera: that of the segment itself, and what is
@@ -216,7 +228,7 @@ impl Segment {
         medium: &Medium,
         mut fields: Vec<Vec<f32>>,
     ) -> Carried {
-        self.add_direct(medium, gate.node.z, &mut fields);
+        self.add_direct(canvas, medium, gate.node.z, &mut fields);
         let masked = fields.into_iter().map(|mut field| {
             gate.stop(&mut field);
             canvas.fft.forward(field)
@@ -227,12 +239,13 @@ impl Segment {
 
 impl Gate {
     fn new(target: &Target, canvas: &Canvas, screen: &Screen) -> Self {
-        let mut open = vec![1.0; canvas.pixels()];
-        for place in canvas.places() {
-            if screen.opaque[place.of] {
-                open[place.at] = 0.0;
+        let mut open = [vec![1.0; canvas.pixels()]];
+        canvas.rows(&mut open).enumerate().for_each(|(j, mut row)| {
+            for place in canvas.row(j).filter(|place| screen.opaque[place.of]) {
+                row[0][place.x] = 0.0;
             }
-        }
+        });
+        let [open] = open;
         Self { node: Node { z: screen.z, pitch: target.geometry.pixel_pitch(screen.depth) }, open }
     }
 
