@@ -68,21 +68,24 @@ fn seen_size(path: &Path, object: (usize, usize)) -> Result<(usize, usize)> {
     Ok(size)
 }
 
-/// Reads and checks all that a fit needs to know of the observation of `object` through `view`.
+/// Reads and checks all that a fit needs to know of the observation of `object` through `view`. `observed` is what reading
+/// its image gave, `None` if it names none.
 pub(super) fn read_observation(
     source: &Source,
     section: Option<&ObservationSection>,
+    observed: Option<Result<ExrFile>>,
     object: &[Channel],
     view: View,
 ) -> Result<Observation> {
     let section = section.ok_or_else(|| source.error("section [observation] is missing: a fit needs one"))?;
-    let named = section.image.as_ref();
-    let path =
-        source.resolve(named.ok_or_else(|| source.error("[observation] image is missing: a fit needs it"))?);
+    let (Some(named), Some(observed)) = (&section.image, observed) else {
+        return Err(source.error("[observation] image is missing: a fit needs it"));
+    };
+    let path = source.resolve(named);
     let names: Vec<&str> = object.iter().map(|c| c.name.as_str()).collect();
     let size = (view.width, view.height);
 
-    let mut image = ExrFile::read(&path)?.channels(&names)?;
+    let mut image = observed?.channels(&names)?;
     for channel in &image {
         check_size(&path, &channel.image, size, "the view")?;
     }

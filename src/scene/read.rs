@@ -11,6 +11,7 @@ use super::{Purpose, Scene};
 use crate::error::{Error, Result};
 use crate::geometry::{Camera, Geometry};
 use crate::image::{Border, Channel, Image};
+use crate::io::exr::ExrFile;
 use std::path::Path;
 
 impl Scene {
@@ -24,7 +25,14 @@ impl Scene {
         let file: SceneFile = parse(&source)?;
         let camera = camera(&source, &file.camera)?;
         let object_path = source.resolve(&file.object.radiance);
-        let object = radiance(&object_path)?;
+        let section = file.observation.as_ref();
+        let observed_path = section.filter(|_| purpose == Purpose::Fit).and_then(|s| s.image.as_ref());
+        // The two large images are decoded side by side; the first one's errors come first.
+        let (object, observed) = rayon::join(
+            || radiance(&object_path),
+            || observed_path.map(|named| ExrFile::read(&source.resolve(named))),
+        );
+        let object = object?;
         let channels = object.len();
         let medium = read_medium(&source, file.medium.as_ref(), channels)?;
         let fit = read_fit(&source, &file.fit, channels)?;
@@ -36,13 +44,12 @@ impl Scene {
         let mut geometry = geometry(path, camera, size, (depth, surface), kind)?;
         let behind = read_layers(&source, &file.object.layer, kind, (&object_path, &object), &mut geometry)?;
         let border = file.object.border;
-        let section = file.observation.as_ref();
         let view = view(&source, section, size, purpose)?;
         let observation = match purpose {
             Purpose::Render => None,
             Purpose::Fit => {
                 check_contrast(&object_path, (&object, &behind), &geometry, border)?;
-                Some(read_observation(&source, section, &object, view)?)
+                Some(read_observation(&source, section, observed, &object, view)?)
             }
         };
         Ok(Self { path: path.into(), object, behind, geometry, border, view, observation, medium, fit })
