@@ -51,21 +51,12 @@ struct Recipe {
     write: fn(&Path, &[Rings]) -> Result<String>,
 }
 
-const FIGURE_4: Recipe = Recipe {
-    files: &figure_4::FILES,
-    experiments: paper::figure_4::experiments,
-    write: figure_4::write,
-};
-const FIGURE_5: Recipe = Recipe {
-    files: &figure_5::FILES,
-    experiments: paper::figure_5::experiments,
-    write: figure_5::write,
-};
-const FIGURE_6: Recipe = Recipe {
-    files: &figure_6::FILES,
-    experiments: paper::figure_6::experiments,
-    write: figure_6::write,
-};
+const FIGURE_4: Recipe =
+    Recipe { files: &figure_4::FILES, experiments: paper::figure_4::experiments, write: figure_4::write };
+const FIGURE_5: Recipe =
+    Recipe { files: &figure_5::FILES, experiments: paper::figure_5::experiments, write: figure_5::write };
+const FIGURE_6: Recipe =
+    Recipe { files: &figure_6::FILES, experiments: paper::figure_6::experiments, write: figure_6::write };
 
 impl Figure {
     fn recipes(self) -> Result<Vec<Recipe>> {

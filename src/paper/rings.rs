@@ -96,16 +96,9 @@ impl Experiment {
     }
 }
 
-fn traced_light_per_radius(
-    profile: &RadialProfile,
-    rings: usize,
-    steps: usize,
-    width: f64,
-) -> Vec<Estimate> {
-    let per_length = |light: Estimate| Estimate {
-        value: light.value / width,
-        std_error: light.std_error / width,
-    };
+fn traced_light_per_radius(profile: &RadialProfile, rings: usize, steps: usize, width: f64) -> Vec<Estimate> {
+    let per_length =
+        |light: Estimate| Estimate { value: light.value / width, std_error: light.std_error / width };
     (0..rings).map(|i| per_length(profile.in_bins(i * steps..(i + 1) * steps))).collect()
 }
 
@@ -131,7 +124,8 @@ impl Rings {
         let (n, k) = (self.paths as f64, count as f64);
         let join = |rings: &[Estimate]| {
             let value = rings.iter().map(|t| t.value).sum::<f64>() / k;
-            let squares = rings.iter().map(|t| t.std_error * t.std_error + t.value * t.value / n).sum::<f64>();
+            let squares =
+                rings.iter().map(|t| t.std_error * t.std_error + t.value * t.value / n).sum::<f64>();
             Estimate { value, std_error: (squares / (k * k) - value * value / n).max(0.0).sqrt() }
         };
         let mean = |rings: &[f64]| rings.iter().sum::<f64>() / k;

@@ -17,6 +17,8 @@ pub(super) const TITLE_PX: f64 = 24.0;
 pub(super) const LABEL_PX: f64 = 19.0;
 const TICK_PX: f64 = 16.0;
 const LINE_PX: u32 = 2;
+const BROAD_PX: u32 = 7;
+const BROAD: RGBColor = RGBColor(175, 175, 175);
 
 /// Length of the line that stands for a series in the legend, px.
 const SAMPLE_PX: i32 = 40;
@@ -51,6 +53,8 @@ pub enum Mark {
     Line,
     /// The points alone: for measured values among models.
     Points,
+    /// A broad gray line beneath the others: for measured values too many for points.
+    Broad,
 }
 
 /// Named points.
@@ -84,7 +88,7 @@ impl Series {
         i: usize,
         (x, y): (i32, i32),
     ) -> Drawn {
-        let style = style_of(i);
+        let style = self.style(i);
         let ends = [(x, y), (x + SAMPLE_PX, y)];
         let drawn = match self.mark {
             Mark::Points => area.draw(&Circle::new((x + SAMPLE_PX / 2, y), 4, style.filled())),
@@ -92,15 +96,28 @@ impl Series {
                 let mut dashes = DashedLineSeries::new(ends, 9, 5, style).into_iter();
                 dashes.try_for_each(|d| area.draw(&d))
             }
-            Mark::Line => area.draw(&PathElement::new(ends, style)),
+            Mark::Line | Mark::Broad => area.draw(&PathElement::new(ends, style)),
         };
         let name = Text::new(self.name.clone(), (x + SAMPLE_PX + 10, y), label(LABEL_PX));
         drawn.and_then(|()| area.draw(&name)).map_err(|e| e.to_string())
     }
 
+    /// The style of the series `i`.
+    fn style(&self, i: usize) -> ShapeStyle {
+        match self.mark {
+            Mark::Broad => BROAD.stroke_width(BROAD_PX),
+            Mark::Line | Mark::Points => PALETTE[i % PALETTE.len()].stroke_width(LINE_PX),
+        }
+    }
+
     /// Room that it takes in a legend, px.
     pub(super) fn sample_width(&self) -> i32 {
         SAMPLE_PX + 40 + text_width(&self.name, LABEL_PX) as i32
+    }
+
+    /// A broad line beneath the others, with a band of one standard error to either side.
+    pub fn reference(name: impl Into<String>, points: Vec<(f64, f64)>, std_errors: Vec<f64>) -> Self {
+        Self { name: name.into(), points, spread: Spread::Band(std_errors), mark: Mark::Broad }
     }
 
     /// Each point with the ends of its error bar.
@@ -178,7 +195,7 @@ impl LineChart {
             .map_err(|e| e.to_string())?;
 
         for (i, series) in self.series.iter().enumerate() {
-            let style = style_of(i);
+            let style = series.style(i);
             let inside =
                 |p: &(f64, f64)| (0.0..=1.0).contains(&x.share(p.0)) && (0.0..=1.0).contains(&y.share(p.1));
             let end = |v: f64| if v > y.low { v.min(y.high) } else { y.low };
@@ -202,7 +219,7 @@ impl LineChart {
                 continue;
             }
             for piece in pieces_inside(&series.points, y) {
-                let drawn = if is_dashed(i) {
+                let drawn = if series.mark == Mark::Line && is_dashed(i) {
                     chart.draw_series(DashedLineSeries::new(piece, 9, 5, style)).map(drop)
                 } else {
                     chart.draw_series(LineSeries::new(piece, style)).map(drop)
@@ -230,11 +247,6 @@ pub(super) fn scales(charts: &[&LineChart]) -> [Scale; 2] {
     // Error bars below the smallest value would only stretch a logarithmic axis.
     let low = all().map(|p| if y_log { p.1 } else { p.2 });
     [x, Scale::around(low.chain(all().map(|p| p.3)), y_log, DECADES)]
-}
-
-fn style_of(i: usize) -> ShapeStyle {
-    let colour: RGBColor = PALETTE[i % PALETTE.len()];
-    colour.stroke_width(LINE_PX)
 }
 
 /// Every other line is dashed, so that curves that coincide can both be seen.

@@ -20,9 +20,10 @@ const MARGIN_PX: i32 = 16;
 
 /// Side of a map on the page, px.
 const MAP_PX: i32 = 240;
-/// Room for a map's title and its horizontal axis, px.
+/// Room for a map's title, its horizontal axis, and between rows, px.
 const TITLE_AREA_PX: i32 = 34;
-const X_AXIS_PX: u32 = 58;
+const X_AXIS_PX: u32 = 50;
+const ROW_GAP_PX: i32 = 14;
 /// Room for the vertical axis, and between maps, px.
 const Y_AXIS_PX: u32 = 66;
 const GAP_PX: i32 = 10;
@@ -91,7 +92,7 @@ impl MapGrid {
 
     /// Top of row `r` with its titles, px.
     fn row_top(&self, r: usize) -> i32 {
-        3 * MARGIN_PX + r as i32 * (TITLE_AREA_PX + MAP_PX + X_AXIS_PX as i32)
+        3 * MARGIN_PX + r as i32 * (TITLE_AREA_PX + MAP_PX + X_AXIS_PX as i32 + ROW_GAP_PX)
     }
 
     fn draw<DB: DrawingBackend>(&self, root: &DrawingArea<DB, Shift>) -> Drawn {
@@ -106,7 +107,7 @@ impl MapGrid {
         }
         let (width, height) = (self.size().0 as i32, self.row_top(self.rows.len()));
         let top = self.row_top(0) + TITLE_AREA_PX;
-        let bar = height - X_AXIS_PX as i32 - top;
+        let bar = height - ROW_GAP_PX - X_AXIS_PX as i32 - top;
         self.shade.draw_bar(root, (width - BAR_PX, top), bar)?;
         let turned = text(TEXT_PX).transform(FontTransform::Rotate90);
         let turned = turned.pos(Pos::new(HPos::Center, VPos::Center));

@@ -4,7 +4,7 @@ use super::errors::{rows, text, write_csv};
 use crate::error::Result;
 use crate::io::atomic;
 use crate::paper::Rings;
-use crate::plots::{Axis, ChartGrid, LineChart, Series, Spread};
+use crate::plots::{Axis, ChartGrid, LineChart, Series};
 use std::path::Path;
 
 /// The files of this figure.
@@ -48,13 +48,14 @@ pub(super) fn profiles(rings: &[Rings]) -> String {
 
 /// The profiles at one plane: traced light with a band of one standard error to either side, and the kernels.
 fn chart(plane: &Rings) -> LineChart {
-    let count = plane.traced.iter().enumerate().take_while(|(i, _)| plane.radius(*i) < DRAWN * plane.z).count();
+    let count =
+        plane.traced.iter().enumerate().take_while(|(i, _)| plane.radius(*i) < DRAWN * plane.z).count();
     let points = |values: &mut dyn Iterator<Item = f64>| -> Vec<(f64, f64)> {
         values.take(count).enumerate().map(|(i, v)| (plane.radius(i), v)).collect()
     };
     let errors = plane.traced.iter().map(|t| t.std_error).take(count).collect();
-    let traced = Series::line("traced (± 1 std. error)", points(&mut plane.traced.iter().map(|t| t.value)));
-    let mut series = vec![Series { spread: Spread::Band(errors), ..traced }];
+    let traced = points(&mut plane.traced.iter().map(|t| t.value));
+    let mut series = vec![Series::reference("traced ± std. error", traced, errors)];
     for (model, light) in &plane.kernels {
         series.push(Series::line(model.name(), points(&mut light.iter().copied())));
     }
