@@ -119,9 +119,9 @@ impl Rings {
     }
 
     /// The same light in rings `count` times as wide; those that do not fill one are left out. A path ends in one ring at
-    /// most, so that cov(t_i, t_j) = -t_i t_j / n.
+    /// most, so that cov(t_i, t_j) = -t_i t_j / (n - 1), as variances are estimated.
     pub fn merged(&self, count: usize) -> Self {
-        let (n, k) = (self.paths as f64, count as f64);
+        let (n, k) = (self.paths as f64 - 1.0, count as f64);
         let join = |rings: &[Estimate]| {
             let value = rings.iter().map(|t| t.value).sum::<f64>() / k;
             let squares =

@@ -17,8 +17,8 @@ pub(super) const TITLE_PX: f64 = 24.0;
 pub(super) const LABEL_PX: f64 = 19.0;
 const TICK_PX: f64 = 16.0;
 const LINE_PX: u32 = 2;
-const BROAD_PX: u32 = 7;
-const BROAD: RGBColor = RGBColor(175, 175, 175);
+const BROAD_PX: u32 = 5;
+const BROAD: RGBColor = RGBColor(150, 150, 150);
 
 /// Length of the line that stands for a series in the legend, px.
 const SAMPLE_PX: i32 = 40;

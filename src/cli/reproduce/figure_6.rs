@@ -55,7 +55,7 @@ fn chart(plane: &Rings) -> LineChart {
     };
     let errors = plane.traced.iter().map(|t| t.std_error).take(count).collect();
     let traced = points(&mut plane.traced.iter().map(|t| t.value));
-    let mut series = vec![Series::reference("traced ± std. error", traced, errors)];
+    let mut series = vec![Series::reference("traced", traced, errors)];
     for (model, light) in &plane.kernels {
         series.push(Series::line(model.name(), points(&mut light.iter().copied())));
     }
