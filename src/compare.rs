@@ -1,9 +1,14 @@
 //! How well a spread kernel agrees with traced light.
 //!
-//! The statistic is the worst error of the encircled energy over the radii that matter: with E the scattered light
+//! The first statistic is the worst error of the encircled energy over the radii that matter: with E the scattered light
 //! within radius r, S the traced scattered total and r50 the median radius of the traced scattered light,
 //! max |E_model(r) - E_traced(r)| / S over the tally's edges up to 6 r50. It sees a wrong total as well as a wrong
 //! shape, and unlike the second moment it is not decided by the few grazing paths of wide-angle scattering.
+//! Beside it stands the relative [rms error](rms_error) of the light per radius, which is the paper's kind of error.
+
+mod rms;
+
+pub use rms::{RmsError, rms_error};
 
 use crate::spread::SpreadKernel;
 use crate::trace::{Estimate, RadialProfile};

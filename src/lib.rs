@@ -79,7 +79,7 @@
 //! | [`filter`] | from the clear object to the image through the medium, for any depth map |
 //! | [`fit`] | estimates, their errors, the report |
 //! | [`trace`] | photon tracer: the independent witness, uses none of the three above |
-//! | [`compare`] | a kernel against traced light |
+//! | [`compare`], [`paper`] | a kernel against traced light; the paper's experiments |
 //! | [`scene`], [`io`], [`plots`], [`cli`] | scene files; EXR and PNG; pictures; the command line |
 //! | [`error`](mod@error) | every refusal, naming the culprit |
 
@@ -93,6 +93,7 @@ pub mod gpu;
 pub mod image;
 pub mod io;
 pub mod medium;
+pub mod paper;
 pub mod phase;
 pub mod plots;
 mod quadrature;

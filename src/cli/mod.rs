@@ -6,6 +6,7 @@ mod kernel;
 mod options;
 pub mod progress;
 mod render;
+mod reproduce;
 mod trace;
 
 use crate::error::Error;
@@ -35,6 +36,8 @@ enum Command {
     Trace(trace::Arguments),
     /// Tabulate and draw the spread kernels of a medium, beside traced ones if wanted
     Kernel(kernel::Arguments),
+    /// Make the paper's experiments again: its figures as PNG and SVG, with their numbers as CSV
+    Reproduce(reproduce::Arguments),
 }
 
 /// Writes `text` to stdout. A reader that has gone away is not an error.
@@ -53,6 +56,7 @@ pub fn main() -> ExitCode {
         Command::Render(arguments) => render::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
         Command::Kernel(arguments) => kernel::run(&arguments),
+        Command::Reproduce(arguments) => reproduce::run(&arguments),
     };
     done.unwrap_or_else(|error| {
         eprintln!("narrowbeam: {error}");

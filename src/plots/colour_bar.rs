@@ -1,12 +1,19 @@
 //! From values to the colours of a panel, and the bar that explains them.
 
+use super::canvas::{Drawn, INK, label};
 use super::scale::{Scale, round_step};
 use crate::image::Channel;
 use crate::io::colour::{NOT_A_NUMBER, Tone, diverging, sequential};
 use crate::io::png::mean_of_channels;
+use plotters::coord::Shift;
+use plotters::prelude::{DrawingArea, DrawingBackend, PathElement, RGBColor, Rectangle, Text};
+use plotters::style::Color;
 
 /// Numbers beside a bar, at most.
 pub(super) const BAR_TICKS: usize = 5;
+
+const TICK_PX: f64 = 14.0;
+const BAR_WIDTH_PX: i32 = 14;
 
 /// How the values of a panel become colours.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,6 +30,16 @@ pub enum Shade {
         /// The value of the darkest colour.
         max: f64,
     },
+    /// Values above 0 in bands whose edges are evenly spaced in their logarithm, so that the edges are contours: the
+    /// darkest below `max`, white under `max` / 10^`decades`; of three channels the mean.
+    Bands {
+        /// The upper edge of the darkest band.
+        max: f64,
+        /// Decades from there to the lower edge of the palest.
+        decades: u8,
+        /// Bands in a decade.
+        per_decade: u8,
+    },
 }
 
 impl Shade {
@@ -37,7 +54,7 @@ impl Shade {
     /// The colours of all pixels.
     pub(super) fn colours(&self, channels: &[Channel]) -> Vec<[u8; 3]> {
         match self {
-            Shade::Diverging { .. } | Shade::Sequential { .. } => {
+            Shade::Diverging { .. } | Shade::Sequential { .. } | Shade::Bands { .. } => {
                 mean_of_channels(channels).image.data.iter().map(|&v| self.colour(v.into())).collect()
             }
             Shade::Radiance(tone) if channels.len() == 3 => (0..channels[0].image.data.len())
@@ -54,6 +71,11 @@ impl Shade {
             Shade::Radiance(tone) => [tone.level(value); 3],
             Shade::Diverging { scale } => diverging(value / scale),
             Shade::Sequential { max } => sequential(value / max),
+            Shade::Bands { .. } if value <= 0.0 => sequential(0.0),
+            Shade::Bands { decades, per_decade, .. } => {
+                let bands = f64::from(*decades) * f64::from(*per_decade);
+                sequential((self.scale().share(value) * bands).ceil() / bands)
+            }
         }
     }
 
@@ -63,7 +85,35 @@ impl Shade {
             Shade::Radiance(tone) => Scale { low: 0.0, high: tone.white, log: false },
             Shade::Diverging { scale } => Scale { low: -scale, high: *scale, log: false },
             Shade::Sequential { max } => Scale { low: 0.0, high: *max, log: false },
+            Shade::Bands { max, decades, .. } => {
+                Scale { low: max / 10f64.powi((*decades).into()), high: *max, log: true }
+            }
         }
+    }
+
+    /// Draws the bar with its numbers, its top left corner at `left`, `top` and `height` px high.
+    pub(super) fn draw_bar<DB: DrawingBackend>(
+        &self,
+        root: &DrawingArea<DB, Shift>,
+        (left, top): (i32, i32),
+        height: i32,
+    ) -> Drawn {
+        let scale = self.scale();
+        let y_of = |value: f64| top + ((1.0 - scale.share(value)) * f64::from(height - 1)).round() as i32;
+        for y in 0..height {
+            let [r, g, b] = self.colour(scale.value(1.0 - f64::from(y) / f64::from(height - 1)));
+            let line = [(left, top + y), (left + BAR_WIDTH_PX, top + y + 1)];
+            root.draw(&Rectangle::new(line, RGBColor(r, g, b).filled())).map_err(|e| e.to_string())?;
+        }
+        let frame = [(left, top), (left + BAR_WIDTH_PX, top + height - 1)];
+        root.draw(&Rectangle::new(frame, INK.stroke_width(1))).map_err(|e| e.to_string())?;
+        for value in scale.ticks(BAR_TICKS) {
+            let (x, y) = (left + BAR_WIDTH_PX, y_of(value));
+            let tick = PathElement::new([(x, y), (x + 4, y)], INK);
+            let number = Text::new(scale.label(value), (x + 8, y), label(TICK_PX));
+            root.draw(&tick).and_then(|()| root.draw(&number)).map_err(|e| e.to_string())?;
+        }
+        Ok(())
     }
 }
 
@@ -71,6 +121,19 @@ impl Shade {
 mod tests {
     use super::*;
     use crate::image::Image;
+
+    #[test]
+    fn bands_have_one_colour_between_their_edges_and_none_below_the_last() {
+        let shade = Shade::Bands { max: 10.0, decades: 3, per_decade: 4 };
+        assert_eq!(shade.colour(9.9), shade.colour(5.7));
+        assert_ne!(shade.colour(5.7), shade.colour(5.6));
+        assert_eq!(shade.colour(100.0), shade.colour(10.0));
+        for dark in [0.0, -1.0, 0.0099] {
+            assert_eq!(shade.colour(dark), [255; 3], "{dark}");
+        }
+        assert_ne!(shade.colour(0.0101), [255; 3]);
+        assert_eq!(shade.colour(f64::NAN), NOT_A_NUMBER);
+    }
 
     #[test]
     fn a_sequential_shade_ends_at_a_round_value_above_all() {

@@ -13,10 +13,12 @@ use plotters::style::{Color, ShapeStyle};
 use std::path::Path;
 
 const SIZE: (u32, u32) = (1200, 760);
-const TITLE_PX: f64 = 24.0;
-const LABEL_PX: f64 = 19.0;
+pub(super) const TITLE_PX: f64 = 24.0;
+pub(super) const LABEL_PX: f64 = 19.0;
 const TICK_PX: f64 = 16.0;
 const LINE_PX: u32 = 2;
+const BROAD_PX: u32 = 5;
+const BROAD: RGBColor = RGBColor(150, 150, 150);
 
 /// Length of the line that stands for a series in the legend, px.
 const SAMPLE_PX: i32 = 40;
@@ -51,6 +53,8 @@ pub enum Mark {
     Line,
     /// The points alone: for measured values among models.
     Points,
+    /// A broad gray line beneath the others: for measured values too many for points.
+    Broad,
 }
 
 /// Named points.
@@ -75,6 +79,45 @@ impl Series {
     /// Points with a bar of one standard error to either side.
     pub fn measured(name: impl Into<String>, points: Vec<(f64, f64)>, std_errors: Vec<f64>) -> Self {
         Self { name: name.into(), points, spread: Spread::Bars(std_errors), mark: Mark::Points }
+    }
+
+    /// Draws its line or point and its name in a legend, as the series `i`, from the left end at `x`, `y` px.
+    pub(super) fn draw_sample<DB: DrawingBackend>(
+        &self,
+        area: &DrawingArea<DB, Shift>,
+        i: usize,
+        (x, y): (i32, i32),
+    ) -> Drawn {
+        let style = self.style(i);
+        let ends = [(x, y), (x + SAMPLE_PX, y)];
+        let drawn = match self.mark {
+            Mark::Points => area.draw(&Circle::new((x + SAMPLE_PX / 2, y), 4, style.filled())),
+            Mark::Line if is_dashed(i) => {
+                let mut dashes = DashedLineSeries::new(ends, 9, 5, style).into_iter();
+                dashes.try_for_each(|d| area.draw(&d))
+            }
+            Mark::Line | Mark::Broad => area.draw(&PathElement::new(ends, style)),
+        };
+        let name = Text::new(self.name.clone(), (x + SAMPLE_PX + 10, y), label(LABEL_PX));
+        drawn.and_then(|()| area.draw(&name)).map_err(|e| e.to_string())
+    }
+
+    /// The style of the series `i`.
+    fn style(&self, i: usize) -> ShapeStyle {
+        match self.mark {
+            Mark::Broad => BROAD.stroke_width(BROAD_PX),
+            Mark::Line | Mark::Points => PALETTE[i % PALETTE.len()].stroke_width(LINE_PX),
+        }
+    }
+
+    /// Room that it takes in a legend, px.
+    pub(super) fn sample_width(&self) -> i32 {
+        SAMPLE_PX + 40 + text_width(&self.name, LABEL_PX) as i32
+    }
+
+    /// A broad line beneath the others, with a band of one standard error to either side.
+    pub fn reference(name: impl Into<String>, points: Vec<(f64, f64)>, std_errors: Vec<f64>) -> Self {
+        Self { name: name.into(), points, spread: Spread::Band(std_errors), mark: Mark::Broad }
     }
 
     /// Each point with the ends of its error bar.
@@ -118,19 +161,18 @@ impl LineChart {
     }
 
     fn draw<DB: DrawingBackend>(&self, root: &DrawingArea<DB, Shift>) -> Drawn {
-        let widest = self.series.iter().map(|s| text_width(&s.name, LABEL_PX)).max().unwrap_or(0);
-        let legend_px = widest as i32 + SAMPLE_PX + 40;
+        let legend_px = self.series.iter().map(Series::sample_width).max().unwrap_or(0);
         let (plot, legend) = root.split_horizontally(SIZE.0 as i32 - legend_px);
-        self.draw_axes_and_curves(&plot)?;
+        self.draw_axes_and_curves(&plot, scales(&[self]))?;
         self.draw_legend(&legend)
     }
 
-    fn draw_axes_and_curves<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn {
-        let all = || self.series.iter().flat_map(Series::with_ends);
-        let x = Scale::around(all().map(|p| p.0), self.x.log, DECADES);
-        // Error bars below the smallest value would only stretch a logarithmic axis.
-        let low = all().map(|p| if self.y.log { p.1 } else { p.2 });
-        let y = Scale::around(low.chain(all().map(|p| p.3)), self.y.log, DECADES);
+    /// Everything but the legend, on axes from [`scales`].
+    pub(super) fn draw_axes_and_curves<DB: DrawingBackend>(
+        &self,
+        area: &DrawingArea<DB, Shift>,
+        [x, y]: [Scale; 2],
+    ) -> Drawn {
         let widest_tick = y.ticks(9).into_iter().map(|v| text_width(&y.label(v), TICK_PX)).max().unwrap_or(0);
 
         let mut chart = ChartBuilder::on(area)
@@ -153,7 +195,7 @@ impl LineChart {
             .map_err(|e| e.to_string())?;
 
         for (i, series) in self.series.iter().enumerate() {
-            let style = style_of(i);
+            let style = series.style(i);
             let inside =
                 |p: &(f64, f64)| (0.0..=1.0).contains(&x.share(p.0)) && (0.0..=1.0).contains(&y.share(p.1));
             let end = |v: f64| if v > y.low { v.min(y.high) } else { y.low };
@@ -177,7 +219,7 @@ impl LineChart {
                 continue;
             }
             for piece in pieces_inside(&series.points, y) {
-                let drawn = if is_dashed(i) {
+                let drawn = if series.mark == Mark::Line && is_dashed(i) {
                     chart.draw_series(DashedLineSeries::new(piece, 9, 5, style)).map(drop)
                 } else {
                     chart.draw_series(LineSeries::new(piece, style)).map(drop)
@@ -191,27 +233,20 @@ impl LineChart {
     fn draw_legend<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn {
         let row_px = (1.6 * LABEL_PX) as i32;
         for (i, series) in self.series.iter().enumerate() {
-            let y = 64 + row_px * i as i32;
-            let style = style_of(i);
-            let ends = [(6, y), (6 + SAMPLE_PX, y)];
-            let drawn = match series.mark {
-                Mark::Points => area.draw(&Circle::new((6 + SAMPLE_PX / 2, y), 4, style.filled())),
-                Mark::Line if is_dashed(i) => {
-                    let mut dashes = DashedLineSeries::new(ends, 9, 5, style).into_iter();
-                    dashes.try_for_each(|d| area.draw(&d))
-                }
-                Mark::Line => area.draw(&PathElement::new(ends, style)),
-            };
-            let name = Text::new(series.name.clone(), (16 + SAMPLE_PX, y), label(LABEL_PX));
-            drawn.and_then(|()| area.draw(&name)).map_err(|e| e.to_string())?;
+            series.draw_sample(area, i, (6, 64 + row_px * i as i32))?;
         }
         Ok(())
     }
 }
 
-fn style_of(i: usize) -> ShapeStyle {
-    let colour: RGBColor = PALETTE[i % PALETTE.len()];
-    colour.stroke_width(LINE_PX)
+/// The horizontal and the vertical axis that show all of `charts`, which have the same kinds of axis.
+pub(super) fn scales(charts: &[&LineChart]) -> [Scale; 2] {
+    let all = || charts.iter().flat_map(|chart| &chart.series).flat_map(Series::with_ends);
+    let [x_log, y_log] = charts.first().map_or([false; 2], |chart| [chart.x.log, chart.y.log]);
+    let x = Scale::around(all().map(|p| p.0), x_log, DECADES);
+    // Error bars below the smallest value would only stretch a logarithmic axis.
+    let low = all().map(|p| if y_log { p.1 } else { p.2 });
+    [x, Scale::around(low.chain(all().map(|p| p.3)), y_log, DECADES)]
 }
 
 /// Every other line is dashed, so that curves that coincide can both be seen.

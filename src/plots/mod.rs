@@ -1,13 +1,17 @@
-//! Pictures for people: line charts and panels of images, in colours that colour-blind readers can tell apart.
+//! Pictures for people: line charts, maps and panels of images, in colours that colour-blind readers can tell apart.
 //!
 //! The font is compiled in ([DejaVu Sans](https://dejavu-fonts.github.io/), its licence beside it), so that pictures
 //! come out the same on every machine.
 
 mod canvas;
+mod chart_grid;
 mod colour_bar;
 mod lines;
+mod maps;
 mod panels;
 mod scale;
 
+pub use chart_grid::ChartGrid;
 pub use lines::{Axis, LineChart, Mark, Series, Spread};
+pub use maps::{Map, MapGrid, MapRow};
 pub use panels::{Figure, Panel, Shade};

@@ -1,7 +1,6 @@
 //! Images side by side, each with its title and colour bar, and a table of numbers below.
 
-use super::canvas::{Drawn, INK, bitmap, label, text, text_width, write_png};
-use super::colour_bar::BAR_TICKS;
+use super::canvas::{Drawn, INK, bitmap, text, text_width, write_png};
 pub use super::colour_bar::Shade;
 use crate::error::Result;
 use crate::image::{Channel, Image};
@@ -12,13 +11,11 @@ use std::path::Path;
 
 const TITLE_PX: f64 = 22.0;
 const TEXT_PX: f64 = 17.0;
-const TICK_PX: f64 = 14.0;
 const ROW_PX: i32 = 26;
 const MARGIN_PX: i32 = 18;
 
 /// Longer side of an image on the page, px.
 const IMAGE_PX: usize = 288;
-const BAR_WIDTH_PX: i32 = 14;
 
 /// Room for a bar and its numbers, px.
 const BAR_PX: i32 = 108;
@@ -113,7 +110,7 @@ impl Figure {
             let (w, h) = fitted(&panel.channels[0].image);
             let frame = [(x - 1, y - 1), (x + w as i32, y + h as i32)];
             root.draw(&Rectangle::new(frame, INK.mix(0.5))).map_err(|e| e.to_string())?;
-            draw_bar(root, panel, (x, y))?;
+            panel.shade.draw_bar(root, (x + w as i32 + 10, y), h as i32)?;
         }
         let rows = self.panels.len().div_ceil(self.columns) as i32;
         let top = MARGIN_PX + 2 * ROW_PX + rows * self.cell().1 + 6;
@@ -138,29 +135,6 @@ impl Figure {
         }
         Ok(())
     }
-}
-
-/// The bar to the right of an image, with its numbers.
-fn draw_bar<DB: DrawingBackend>(root: &DrawingArea<DB, Shift>, panel: &Panel, corner: (i32, i32)) -> Drawn {
-    let (width, height) = fitted(&panel.channels[0].image);
-    let (left, top, height) = (corner.0 + width as i32 + 10, corner.1, height as i32);
-    let scale = panel.shade.scale();
-    let y_of = |value: f64| top + ((1.0 - scale.share(value)) * f64::from(height - 1)).round() as i32;
-    for y in 0..height {
-        let [r, g, b] = panel.shade.colour(scale.value(1.0 - f64::from(y) / f64::from(height - 1)));
-        let line = [(left, top + y), (left + BAR_WIDTH_PX, top + y + 1)];
-        let colour = plotters::style::RGBColor(r, g, b).filled();
-        root.draw(&Rectangle::new(line, colour)).map_err(|e| e.to_string())?;
-    }
-    let frame = [(left, top), (left + BAR_WIDTH_PX, top + height - 1)];
-    root.draw(&Rectangle::new(frame, INK.stroke_width(1))).map_err(|e| e.to_string())?;
-    for value in scale.ticks(BAR_TICKS) {
-        let (x, y) = (left + BAR_WIDTH_PX, y_of(value));
-        let tick = PathElement::new([(x, y), (x + 4, y)], INK);
-        let number = Text::new(scale.label(value), (x + 8, y), label(TICK_PX));
-        root.draw(&tick).and_then(|()| root.draw(&number)).map_err(|e| e.to_string())?;
-    }
-    Ok(())
 }
 
 /// Size of an image on the page, px: its longer side fills the room.

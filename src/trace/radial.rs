@@ -253,7 +253,8 @@ impl RadialProfile {
         Estimate::from_sums(sum, squares, self.paths)
     }
 
-    fn in_bins(&self, range: std::ops::Range<usize>) -> Estimate {
+    /// Scattered light in the radius bins `range`: bin 0 lies within the first edge, bin i between the edges i - 1 and i.
+    pub fn in_bins(&self, range: std::ops::Range<usize>) -> Estimate {
         let (mut sum, mut squares) = (0.0, 0.0);
         for bin in &self.tally.bins[range] {
             sum += bin[0];

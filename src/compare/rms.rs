@@ -1,0 +1,122 @@
+//! The relative rms error of a kernel: how far its light per radius lies from the traced one, ring by ring.
+//!
+//! With t the traced and m the kernel's light per radius, 2 pi r Psi averaged over each of the rings of equal width that
+//! share out the radii,
+//!
+//! ```text
+//! e² = sum (m - t)² / sum t²
+//! ```
+//!
+//! A kernel without light has e = 1. The traced values are known to standard errors s only, which would add sum s² to
+//! the sum above and to the sum below on average; both are taken off.
+
+use crate::trace::Estimate;
+
+/// The error of a kernel over all rings, relative to the rms of the traced light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RmsError {
+    /// e, the noise of the tracing taken off, with the standard error that this noise leaves.
+    pub error: Estimate,
+    /// sqrt(sum s² / sum t²): what a perfect kernel would show, were the noise not taken off.
+    pub noise: f64,
+}
+
+/// The relative rms error of a kernel's light per radius `kernel` against `traced`, ring by ring, of `paths` paths that
+/// each end in one ring at most; `None` if the traced light is not above its noise.
+///
+/// To first order d(e²) = 2 sum g dt / sum t², g = t - m - e² t. A path scores in one ring at most, so
+/// cov(t_i, t_j) = -t_i t_j / n between rings; the squares of the noise add 2 sum s⁴ / (sum t²)².
+///
+/// # Panics
+/// Unless there is a value of the kernel for each traced one.
+pub fn rms_error(kernel: &[f64], traced: &[Estimate], paths: u64) -> Option<RmsError> {
+    assert_eq!(kernel.len(), traced.len(), "one value of the kernel a ring");
+    let n = paths as f64;
+    let rings = || kernel.iter().zip(traced).map(|(&m, t)| (m, t.value, t.std_error * t.std_error));
+    let noise: f64 = rings().map(|(_, _, s2)| s2).sum();
+    let light = rings().map(|(_, t, _)| t * t).sum::<f64>() - noise;
+    if light <= 0.0 {
+        return None;
+    }
+    let square = (rings().map(|(m, t, _)| (m - t) * (m - t)).sum::<f64>() - noise).max(0.0) / light;
+
+    let (mut squares, mut mean, mut fourth) = (0.0, 0.0, 0.0);
+    for (m, t, s2) in rings() {
+        let g = t - m - square * t;
+        squares += g * g * (s2 + t * t / n);
+        mean += g * t;
+        fourth += s2 * s2;
+    }
+    let variance = (4.0 * (squares - mean * mean / n) + 2.0 * fourth).max(0.0) / (light * light);
+    // One standard error of e² upwards; variance.sqrt() / (2 e) where e is not itself lost in the noise.
+    let std_error = (square + variance.sqrt()).sqrt() - square.sqrt();
+    Some(RmsError { error: Estimate { value: square.sqrt(), std_error }, noise: (noise / light).sqrt() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::paper::{Experiment, Plane};
+    use crate::spread::Model;
+
+    fn exact(values: [f64; 4]) -> Vec<Estimate> {
+        values.map(|value| Estimate { value, std_error: 0.0 }).to_vec()
+    }
+
+    /// Thin light at 5 degrees in rings that hold some ten photons each where it is faint.
+    fn experiment(seed: u64, paths: u64) -> Experiment {
+        let planes = vec![Plane { z: 1.0, steps: 1 }];
+        Experiment { albedo: 1.0, spread_angle_deg: 5.0, planes, rings: 60, step: 0.01, paths, seed }
+    }
+
+    fn error_of(model: Model, seed: u64, paths: u64) -> RmsError {
+        let rings = experiment(seed, paths).run(&|_| ()).unwrap().remove(0);
+        rings.errors().unwrap().into_iter().find(|e| e.0 == model).unwrap().1
+    }
+
+    #[test]
+    fn a_kernel_without_light_errs_by_all_and_one_of_half_the_light_by_half() {
+        let traced = exact([3.0, 4.0, 1.0, 0.0]);
+        let error = |kernel: [f64; 4]| rms_error(&kernel, &traced, 100).unwrap().error.value;
+        assert_eq!(error([0.0; 4]), 1.0);
+        assert_eq!(error([1.5, 2.0, 0.5, 0.0]), 0.5);
+        assert_eq!(error([3.0, 4.0, 1.0, 0.0]), 0.0);
+        assert!(rms_error(&[1.0; 4], &exact([0.0; 4]), 100).is_none());
+    }
+
+    #[test]
+    fn the_error_does_not_depend_on_the_number_of_photons() {
+        // The noise of the few photons alone is .06, and would raise an error of .09 to .11.
+        let (few, many) = (error_of(Model::NarrowBeam, 1, 4_000), error_of(Model::NarrowBeam, 2, 2_000_000));
+        assert!(few.noise > 20.0 * many.noise);
+        let bound = 4.0 * few.error.std_error.hypot(many.error.std_error);
+        assert!((few.error.value - many.error.value).abs() < bound, "{few:?} {many:?}");
+        let noisy = few.error.value.hypot(few.noise);
+        assert!(noisy - many.error.value > 0.01, "{few:?} {many:?}");
+    }
+
+    #[test]
+    fn the_stated_error_is_the_scatter_between_seeds() {
+        let errors: Vec<_> = (0..80).map(|seed| error_of(Model::Gaussian, seed, 4_000).error).collect();
+        let n = errors.len() as f64;
+        let mean = errors.iter().map(|e| e.value).sum::<f64>() / n;
+        let scatter = (errors.iter().map(|e| (e.value - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
+        let stated = errors.iter().map(|e| e.std_error).sum::<f64>() / n;
+        // The scatter of 80 is itself known to 8 %.
+        assert!((stated / scatter - 1.0).abs() < 0.3, "stated {stated}, scatter {scatter}");
+    }
+
+    #[test]
+    fn merged_rings_are_those_of_a_coarser_tally() {
+        let fine = experiment(1, 20_000).run(&|_| ()).unwrap().remove(0).merged(5);
+        let coarse = Experiment { rings: 12, step: 0.05, ..experiment(1, 20_000) };
+        let coarse = coarse.run(&|_| ()).unwrap().remove(0);
+        // Photons on an edge may fall to either side of it in f32; none does here.
+        for (a, b) in fine.traced.iter().zip(&coarse.traced) {
+            assert!((a.value - b.value).abs() < 1e-12 && (a.std_error - b.std_error).abs() < 1e-12);
+        }
+        for (a, b) in fine.kernels.iter().zip(&coarse.kernels) {
+            assert!(a.0 == b.0 && a.1.iter().zip(&b.1).all(|(x, y)| (x - y).abs() < 1e-9), "{}", a.0);
+        }
+    }
+}

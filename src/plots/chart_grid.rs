@@ -1,0 +1,86 @@
+//! Line charts side by side, rows on common axes, with one legend above them.
+
+use super::canvas::{Drawn, bitmap, text, write_png, write_svg};
+use super::lines::{LABEL_PX, LineChart, TITLE_PX, scales};
+use crate::error::Result;
+use plotters::coord::Shift;
+use plotters::prelude::{DrawingArea, DrawingBackend, Text};
+use std::path::Path;
+
+const CELL_PX: (i32, i32) = (520, 430);
+const MARGIN_PX: i32 = 16;
+const ROW_PX: i32 = (1.6 * LABEL_PX) as i32;
+
+/// Charts of the same series, row by row; those of a row share their axes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChartGrid {
+    /// What is shown.
+    pub title: String,
+    /// The charts; the legend is that of the first.
+    pub rows: Vec<Vec<LineChart>>,
+}
+
+impl ChartGrid {
+    /// Writes it as a PNG file.
+    ///
+    /// # Errors
+    /// [`Error::Write`](crate::Error::Write) with the path.
+    pub fn write_png(&self, path: &Path) -> Result<()> {
+        write_png(path, self.size(), bitmap(self.size(), |root| self.draw(root)))
+    }
+
+    /// Writes it as an SVG file.
+    ///
+    /// # Errors
+    /// [`Error::Write`](crate::Error::Write) with the path.
+    pub fn write_svg(&self, path: &Path) -> Result<()> {
+        write_svg(path, self.size(), |root| self.draw(root))
+    }
+
+    fn columns(&self) -> usize {
+        self.rows.iter().map(Vec::len).max().unwrap_or(1)
+    }
+
+    fn size(&self) -> (u32, u32) {
+        let height = self.charts_top() + CELL_PX.1 * self.rows.len() as i32;
+        ((CELL_PX.0 * self.columns() as i32) as u32, height as u32)
+    }
+
+    /// Where each name of the legend stands: left end of its sample, px.
+    fn legend(&self) -> Vec<(i32, i32)> {
+        let series = self.rows.iter().flatten().next().map_or(&[][..], |chart| &chart.series);
+        let (mut x, mut y) = (MARGIN_PX, MARGIN_PX + 2 * ROW_PX);
+        let mut places = Vec::new();
+        for one in series {
+            let width = one.sample_width();
+            if x > MARGIN_PX && x + width > CELL_PX.0 * self.columns() as i32 {
+                (x, y) = (MARGIN_PX, y + ROW_PX);
+            }
+            places.push((x, y));
+            x += width;
+        }
+        places
+    }
+
+    fn charts_top(&self) -> i32 {
+        self.legend().last().map_or(MARGIN_PX, |place| place.1) + ROW_PX
+    }
+
+    fn draw<DB: DrawingBackend>(&self, root: &DrawingArea<DB, Shift>) -> Drawn {
+        let title = Text::new(self.title.clone(), (MARGIN_PX, MARGIN_PX), text(TITLE_PX));
+        root.draw(&title).map_err(|e| e.to_string())?;
+        let named = self.rows.iter().flatten().next().map_or(&[][..], |chart| &chart.series);
+        for (i, (series, place)) in named.iter().zip(self.legend()).enumerate() {
+            series.draw_sample(root, i, place)?;
+        }
+        let (_, charts) = root.split_vertically(self.charts_top());
+        let cells = charts.split_evenly((self.rows.len(), self.columns()));
+        for (r, row) in self.rows.iter().enumerate() {
+            let axes = scales(&row.iter().collect::<Vec<_>>());
+            for (c, chart) in row.iter().enumerate() {
+                chart.draw_axes_and_curves(&cells[r * self.columns() + c], axes)?;
+            }
+        }
+        Ok(())
+    }
+}
