@@ -98,7 +98,7 @@ pub struct ChannelFit {
     pub converged: bool,
     /// Whether the noise of the scenes, the planning of the renders and the pixels left out settled.
     pub settled: bool,
-    /// Whether the kernels reach beyond the padding, [`Coverage::cut`](crate::filter::cpu::Coverage).
+    /// Whether the kernels reach beyond the padding, [`Coverage::cut`](crate::filter::Coverage).
     pub cut: bool,
     /// Why it stopped.
     pub stop: String,

@@ -66,7 +66,7 @@ impl FftPlan {
     /// The plan for images of `width` by `height`.
     ///
     /// # Errors
-    /// [`Error::Gpu`] if a side has a prime factor above [`CAPACITY`], or is above its square.
+    /// [`Error::Gpu`] if a side has a prime factor above 1024, or is above its square.
     pub fn new(gpu: &Gpu, width: usize, height: usize) -> Result<Self> {
         let across = |from, to| Lines { n: width, count: height, from, to };
         let down = Lines { n: height, count: width, from: [1, height], to: [1, height] };
