@@ -126,9 +126,13 @@ fn per_segment(
 ) -> Result<Vec<Option<Slices>>> {
     let screens = target.relief.map_or(0, |relief| relief.screens.len());
     let between = |passed: usize| {
-        let mine = sheets.iter().flatten().flatten().filter(|s| s.screens == passed);
-        let mut nodes: Vec<Node> = mine.map(|s| s.node).collect();
-        nodes.dedup();
+        let mut nodes: Vec<Node> = Vec::new();
+        for source in sheets.iter().flatten().flatten().filter(|s| s.screens == passed) {
+            // Neighbours often lie at one depth.
+            if nodes.last() != Some(&source.node) {
+                nodes.push(source.node);
+            }
+        }
         if nodes.is_empty() { Ok(None) } else { slices(&nodes).map(Some) }
     };
     (0..=screens).map(between).collect()

@@ -6,6 +6,7 @@
 //! sequential map from white (0) over green to dark blue, linear in the value.
 
 use crate::image::Channel;
+use std::sync::LazyLock;
 
 /// Share of pixels that lie below white.
 const WHITE_QUANTILE: f64 = 0.995;
@@ -29,14 +30,18 @@ impl Tone {
 
     /// The 8-bit level of a radiance; NaN is 0.
     pub fn level(&self, radiance: f64) -> u8 {
-        (255.0 * srgb_curve(radiance / self.white)).round() as u8
+        let share = radiance / self.white;
+        LEVELS.partition_point(|&begins| begins <= share) as u8
     }
 }
 
-/// The sRGB transfer curve, of values clipped to 0..1; NaN is 0.
-pub fn srgb_curve(linear: f64) -> f64 {
-    let v = if linear.is_nan() { 0.0 } else { linear.clamp(0.0, 1.0) };
-    if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
+/// Shares of white at which the levels 1 to 255 begin, half a level below their own.
+static LEVELS: LazyLock<[f64; 255]> =
+    LazyLock::new(|| std::array::from_fn(|i| srgb_inverse((i as f64 + 0.5) / 255.0)));
+
+/// The linear value of an encoded one in 0..1.
+fn srgb_inverse(encoded: f64) -> f64 {
+    if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 
 /// Scale of a residual picture: the 99.5 % quantile of the finite magnitudes of `residual`; 1 if all are 0.
@@ -103,10 +108,15 @@ mod tests {
     #[test]
     fn the_transfer_curve_is_that_of_srgb() {
         // Values of IEC 61966-2-1: the foot, the joint, mid-gray, white.
-        for (linear, encoded) in [(0.0, 0.0), (0.0031308, 0.04045), (0.214041, 0.5), (1.0, 1.0), (2.0, 1.0)] {
-            assert!((srgb_curve(linear) - encoded).abs() < 1e-5, "{linear}");
+        for (linear, encoded) in [(0.0, 0.0), (0.0031308, 0.04045), (0.214041, 0.5), (1.0, 1.0)] {
+            assert!((srgb_inverse(encoded) - linear).abs() < 1e-5, "{linear}");
         }
-        assert_eq!(srgb_curve(f64::NAN), 0.0);
+        let tone = Tone { white: 2.0 };
+        let levels = [-1.0, f64::NAN, 0.0, 2.0 * 0.214041, 2.0, 9.0].map(|v| tone.level(v));
+        assert_eq!(levels, [0, 0, 0, 128, 255, 255]);
+        for level in 0..=255u8 {
+            assert_eq!(tone.level(2.0 * srgb_inverse(f64::from(level) / 255.0)), level);
+        }
     }
 
     #[test]
