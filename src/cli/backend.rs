@@ -39,24 +39,24 @@ pub(super) struct Chosen {
 }
 
 /// Time that the CPU takes for one evaluation with derivatives, seconds a pixel, at one depth and over a depth map;
-/// from `cargo bench --bench fit` on two cores.
+/// from `cargo bench --bench backends` on two cores.
 const PIXEL_SECONDS: [f64; 2] = [4e-8, 3e-7];
 /// Work for the CPU below which no device is opened: a few times what opening one and compiling the shaders takes.
 const WORTHWHILE_SECONDS: f64 = 2.0;
 
 impl Chosen {
-    /// The choice for `evaluations` of each channel of `scenes`.
+    /// The choice for so many `evaluations` of each channel of `scenes`, at one depth and over a depth map.
     ///
     /// # Errors
     /// [`Error::NoAdapter`] or [`Error::Gpu`] if a graphics adapter is wanted and there is none, or it cannot be opened.
-    pub(super) fn new(wanted: Wanted, scenes: &[Scene], evaluations: u64) -> Result<Self> {
+    pub(super) fn new(wanted: Wanted, scenes: &[Scene], evaluations: [u64; 2]) -> Result<Self> {
         let cpu = |reason: String| Ok(Self { gpu: None, reason });
         match wanted {
             Wanted::Cpu => return cpu("as asked".into()),
             Wanted::Gpu => return Ok(Self { gpu: Some(Gpu::open()?), reason: "as asked".into() }),
             Wanted::Auto => (),
         }
-        let seconds = evaluations as f64 * scenes.iter().map(evaluation_seconds).sum::<f64>();
+        let seconds = scenes.iter().map(|scene| seconds(scene, evaluations)).sum::<f64>();
         if seconds < WORTHWHILE_SECONDS {
             return cpu(format!(
                 "about {seconds:.1} s of work, less than {WORTHWHILE_SECONDS} s for which a graphics adapter is opened"
@@ -88,9 +88,9 @@ impl Chosen {
     }
 }
 
-/// Time of one evaluation of all channels on the CPU.
-fn evaluation_seconds(scene: &Scene) -> f64 {
+/// Time that `evaluations` of all channels take on the CPU.
+fn seconds(scene: &Scene, evaluations: [u64; 2]) -> f64 {
     let pixels = (scene.geometry.width * scene.geometry.height * scene.object.len()) as f64;
-    let several_depths = scene.geometry.path_lengths().len() > 1;
-    pixels * PIXEL_SECONDS[usize::from(several_depths)]
+    let kind = usize::from(scene.geometry.path_lengths().len() > 1);
+    evaluations[kind] as f64 * pixels * PIXEL_SECONDS[kind]
 }

@@ -45,8 +45,10 @@ pub(super) struct Arguments {
     json: bool,
 }
 
-/// Renders that a typical fit takes, for the progress bar.
+/// Renders that a typical fit takes.
 const TYPICAL_RENDERS: u64 = 40;
+/// Those that confirm what sums have found, where there is but one depth.
+const CONFIRMING_RENDERS: u64 = 3;
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let scenes = arguments
@@ -54,7 +56,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
         .iter()
         .map(|path| Scene::read(path, Purpose::Fit))
         .collect::<crate::Result<Vec<_>>>()?;
-    let chosen = Chosen::new(arguments.backend, &scenes, TYPICAL_RENDERS)?;
+    let chosen = Chosen::new(arguments.backend, &scenes, [CONFIRMING_RENDERS, TYPICAL_RENDERS])?;
     let renders = TYPICAL_RENDERS * (scenes.len() * scenes[0].object.len()) as u64;
     let progress = Progress::new("fitting", "renders", renders);
     let settings = Settings {

@@ -59,7 +59,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let media = scene.medium_values(arguments.medium.values())?;
     check_outputs(arguments)?;
     let scenes = [scene];
-    let chosen = Chosen::new(arguments.backend, &scenes, 1)?;
+    let chosen = Chosen::new(arguments.backend, &scenes, [1, 1])?;
     let (backend, [scene]) = (chosen.backend(), &scenes);
     let progress = Progress::uncounted("rendering");
     let relief = arguments.filter.relief(&scene.geometry);

@@ -6,6 +6,8 @@ use narrowbeam::Error;
 use narrowbeam::filter::Optics;
 use narrowbeam::filter::gpu::GpuFilter;
 use narrowbeam::gpu::Gpu;
+use narrowbeam::image::{Channel, Image};
+use narrowbeam::io::exr;
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::Gaussian;
 use narrowbeam::spread::Model;
@@ -89,6 +91,35 @@ fn reports_name_backend_adapter_and_reason() {
     }
 }
 
+/// A depth map large enough for `auto` to look for an adapter: it takes a real one, never a software one.
+#[test]
+fn auto_leaves_a_software_adapter_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let side = 420;
+    let write = |name: &str, channel: &str, value: &dyn Fn(usize, usize) -> f32| {
+        let channel = Channel { name: channel.into(), image: Image::from_fn(side, side, value) };
+        exr::write(&folder.path().join(name), &[channel], &[]).unwrap();
+    };
+    let texture = crate::common::texture(side, side);
+    write("object.exr", "Y", &|x, y| texture.at(x, y));
+    write("observed.exr", "Y", &|x, y| 0.5 * texture.at(x, y));
+    write("depth.exr", "Z", &|x, _| 2.0 + 0.001 * x as f32);
+    let scene = folder.path().join("scene.toml");
+    let text = "[object]\nradiance = \"object.exr\"\ndepth = \"depth.exr\"\n[camera]\npixel_pitch = 0.01\n\
+                [observation]\nimage = \"observed.exr\"\n";
+    std::fs::write(&scene, text).unwrap();
+    let output = narrowbeam()
+        .args(["fit", "--json", "--max-iterations", "1", "--out"])
+        .args([&folder.path().join("fit"), &scene])
+        .output()
+        .unwrap();
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    println!("{}", report["backend"]);
+    let software = gpu().adapter().software;
+    assert_eq!(report["backend"]["kind"], if software { "cpu" } else { "gpu" });
+    assert_eq!(report["backend"]["reason"].as_str().unwrap().contains("software"), software);
+}
+
 #[test]
 fn a_render_on_the_device_is_the_cpus() {
     let folder = tempfile::tempdir().unwrap();
@@ -104,7 +135,7 @@ fn a_render_on_the_device_is_the_cpus() {
             .output()
             .unwrap();
         assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-        narrowbeam::io::exr::ExrFile::read(&path).unwrap().all().to_vec()
+        exr::ExrFile::read(&path).unwrap().all().to_vec()
     };
     let (cpu, gpu) = (render("cpu"), render("gpu"));
     let off = crate::common::relative_l2(
