@@ -36,7 +36,7 @@ fn main(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) within: u32,
 ) {
-    let at = (group.y * groups.x + group.x) * 64u + within;
+    let at = workgroup_number(group, groups) * 64u + within;
     if at >= bend.columns * bend.height {
         return;
     }

@@ -37,7 +37,7 @@ fn main(
     @builtin(local_invocation_index) within: u32,
 ) {
     let canvas = collect.canvas;
-    let at = invocation(group, groups, within, 64u);
+    let at = workgroup_number(group, groups) * 64u + within;
     let pixels = collect.view_width * collect.view_height;
     if at >= pixels {
         return;

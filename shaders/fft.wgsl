@@ -134,7 +134,7 @@ fn main(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) within: u32,
 ) {
-    let begin = (group.y * groups.x + group.x) * fft.per_group;
+    let begin = workgroup_number(group, groups) * fft.per_group;
     let lines = min(fft.per_group, max(fft.lines, begin) - begin);
     let all = fft.per_group * fft.n;
     for (var t = within; t < all; t += SIZE) {

@@ -143,7 +143,7 @@ fn main(
 ) {
     // A workgroup takes 64 of a column's frequencies ky ≥ 0, each with its mirror image -ky.
     let blocks = (gather.height / 2u + 64u) / 64u;
-    let number = group.y * groups.x + group.x;
+    let number = workgroup_number(group, groups);
     let column = min(number / blocks, gather.columns - 1u);
     let kx = gather.begin + column;
     let ky = (number % blocks) * 64u + within;

@@ -59,7 +59,7 @@ fn main(
     @builtin(local_invocation_index) within: u32,
 ) {
     let canvas = weigh.canvas;
-    let at = invocation(group, groups, within, 64u);
+    let at = workgroup_number(group, groups) * 64u + within;
     if at >= canvas.width * canvas.height {
         return;
     }

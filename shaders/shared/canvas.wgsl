@@ -31,11 +31,6 @@ struct Source {
 
 const NOTHING: u32 = 0xffffffffu;
 
-// Workgroups number themselves along x, then y, then z.
-fn invocation(id: vec3u, groups: vec3u, within: u32, size: u32) -> u32 {
-    return ((id.y * groups.x) + id.x) * size + within;
-}
-
 // Index of the pixel of a row of `n` that stands for `position`, -1 for none.
 fn shown(position: i32, n: i32, border: u32) -> i32 {
     if position >= 0 && position < n {

@@ -15,19 +15,19 @@ macro_rules! shader {
 }
 
 /// The object weighted for two slices.
-pub const WEIGH: Shader = shader!("weigh", "canvas");
+pub const WEIGH: Shader = shader!("weigh", "workgroup", "canvas");
 /// Fourier transforms of lines.
-pub const FFT: Shader = shader!("fft", "complex");
+pub const FFT: Shader = shader!("fft", "workgroup", "complex");
 /// Two spectra out of a common transform.
-pub const SPLIT: Shader = shader!("split", "complex");
+pub const SPLIT: Shader = shader!("split", "workgroup", "complex");
 /// The source of the slope term.
-pub const BEND: Shader = shader!("bend", "complex");
+pub const BEND: Shader = shader!("bend", "workgroup", "complex");
 /// Scattered light on its way to a screen or to the camera.
-pub const GATHER: Shader = shader!("gather", "complex");
+pub const GATHER: Shader = shader!("gather", "workgroup", "complex");
 /// Light through a screen.
-pub const PASS: Shader = shader!("pass", "canvas", "direct");
+pub const PASS: Shader = shader!("pass", "workgroup", "canvas", "direct");
 /// What arrives at the camera.
-pub const COLLECT: Shader = shader!("collect", "canvas", "direct");
+pub const COLLECT: Shader = shader!("collect", "workgroup", "canvas", "direct");
 /// Sums of products over the pixels that count.
 pub const SUMS: Shader = shader!("sums", "two_sum");
 /// Their total over all workgroups.
