@@ -3,6 +3,7 @@
 //! `cargo run --release --example synthesis_check -- docs/synthesis_error.png FOLDER…`
 
 use narrowbeam::filter::{Backend, Filter};
+use narrowbeam::geometry::{EDGE_PITCHES, Geometry};
 use narrowbeam::image::{Channel, Image};
 use narrowbeam::io::colour::Tone;
 use narrowbeam::io::exr::ExrFile;
@@ -21,8 +22,10 @@ fn main() -> anyhow::Result<()> {
     let Some(picture) = arguments.next() else {
         anyhow::bail!("usage: synthesis_check PICTURE.png FOLDER…");
     };
-    println!("| scene | channel | part | share of the light | mean | rms | rms by eq29 |");
-    println!("| --- | --- | --- | --- | --- | --- | --- |");
+    println!(
+        "| scene | channel | part | share of the light | mean | rms | rms near edges | elsewhere | rms by eq29 |"
+    );
+    println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- |");
     let (mut panels, mut notes) = (Vec::new(), Vec::new());
     for folder in arguments {
         let name = folder.file_name().unwrap_or(folder.as_os_str()).display().to_string();
@@ -40,6 +43,7 @@ fn main() -> anyhow::Result<()> {
         ));
 
         let traced = ExrFile::read(&folder.join("witness.exr"))?;
+        let near_edge = &near_edges(&scene.geometry);
         let mut all = Vec::new();
         for (i, object) in scene.object.iter().enumerate() {
             let part = |part: &str| -> narrowbeam::Result<[Image; 2]> {
@@ -50,10 +54,19 @@ fn main() -> anyhow::Result<()> {
             let light = object_light.mean() + veil.mean();
             let row = |part: &str, truth: &Image, variance: &Image, [a, b]: [Image; 2]| {
                 let percent = |v: f64| format!("{:.1} %", 100.0 * v / light);
-                let mean = percent(a.mean() - truth.mean());
-                let [rms, by_eq29] = [rms(&a, truth, variance), rms(&b, truth, variance)].map(percent);
                 let share = percent(truth.mean());
-                println!("| {name} | {} | {part} | {share} | {mean} | {rms} | {by_eq29} |", object.name);
+                let mean = percent(a.mean() - truth.mean());
+                let near = |at_edge: bool| (0..near_edge.len()).filter(move |&i| near_edge[i] == at_edge);
+                let rms = |image: &Image, pixels: Vec<usize>| percent(rms(image, truth, variance, &pixels));
+                let all: Vec<usize> = (0..near_edge.len()).collect();
+                println!(
+                    "| {name} | {} | {part} | {share} | {mean} | {} | {} | {} | {} |",
+                    object.name,
+                    rms(&a, all.clone()),
+                    rms(&a, near(true).collect()),
+                    rms(&a, near(false).collect()),
+                    rms(&b, all)
+                );
             };
             let of = |f: fn(&Synthesis, usize) -> Image| [f(&composite, i), f(&eq29, i)];
             row("object", &object_light, &object_variance, of(object_part));
@@ -91,8 +104,22 @@ fn sum(a: &Image, b: &Image) -> Image {
     Image { data: a.data.iter().zip(&b.data).map(|(a, b)| a + b).collect(), ..a.clone() }
 }
 
-/// Root mean square difference, that of the noise of `truth` taken off.
-fn rms(image: &Image, truth: &Image, variance: &Image) -> f64 {
-    let squares = image.data.iter().zip(&truth.data).map(|(a, b)| f64::from(a - b).powi(2)).sum::<f64>();
-    (squares / image.data.len() as f64 - variance.mean()).max(0.0).sqrt()
+/// Root mean square difference over `pixels`, that of the noise of `truth` taken off.
+fn rms(image: &Image, truth: &Image, variance: &Image, pixels: &[usize]) -> f64 {
+    let square = |&i: &usize| f64::from(image.data[i] - truth.data[i]).powi(2) - f64::from(variance.data[i]);
+    (pixels.iter().map(square).sum::<f64>() / pixels.len() as f64).max(0.0).sqrt()
+}
+
+/// Whether within two pixels of each pixel the depth steps by more than an edge does.
+fn near_edges(geometry: &Geometry) -> Vec<bool> {
+    let (width, height) = (geometry.width, geometry.height);
+    let depth = |x: usize, y: usize| geometry.object_distance(x, y).unwrap_or(f64::INFINITY);
+    let steps = |x: usize, y: usize| {
+        let around = |v: usize, n: usize| v.saturating_sub(2)..(v + 3).min(n);
+        let least = 2.0 * EDGE_PITCHES * geometry.pixel_pitch(depth(x, y));
+        around(y, height)
+            .flat_map(|v| around(x, width).map(move |u| (u, v)))
+            .any(|(u, v)| (depth(u, v) - depth(x, y)).abs() > least)
+    };
+    (0..width * height).map(|i| steps(i % width, i / width)).collect()
 }

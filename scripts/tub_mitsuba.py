@@ -118,7 +118,7 @@ shading = "shading.exr"
 depth = "depth.exr"
 depth_kind = "planar"
 surface = "surface.exr"
-border = "mirror"
+border = "clamp"
 
 [camera]
 fov_x_deg = {tub.fov_x_deg:g}
