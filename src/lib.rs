@@ -77,6 +77,7 @@
 //! | [`geometry`], [`image`](mod@image) | camera, distances, pixel pitch; linear images, views, borders |
 //! | [`spread`] | the kernels: `beer-lambert` to `small-angle` |
 //! | [`filter`] | from the clear object to the image through the medium, for any depth map |
+//! | [`illumination`], [`synthesis`] | light that falls into the medium and its veil; images with all their light |
 //! | [`fit`] | estimates, their errors, the report |
 //! | [`trace`] | photon tracer: the independent witness, uses none of the three above |
 //! | [`compare`], [`paper`] | a kernel against traced light; the paper's experiments |
@@ -90,6 +91,7 @@ pub mod filter;
 pub mod fit;
 pub mod geometry;
 pub mod gpu;
+pub mod illumination;
 pub mod image;
 pub mod io;
 pub mod medium;
@@ -100,6 +102,7 @@ mod quadrature;
 pub mod relief;
 pub mod scene;
 pub mod spread;
+pub mod synthesis;
 pub mod trace;
 
 pub use error::{Error, Result};

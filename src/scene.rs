@@ -5,6 +5,7 @@
 
 mod fit_options;
 mod format;
+mod illumination;
 mod images;
 mod layers;
 mod medium;
@@ -15,6 +16,7 @@ mod source;
 pub use medium::read_truth;
 
 use crate::geometry::Geometry;
+use crate::illumination::{Bottom, Shading, Sun};
 use crate::image::{Border, Channel, Image, View};
 use std::path::PathBuf;
 
@@ -23,8 +25,10 @@ use std::path::PathBuf;
 pub struct Scene {
     /// The scene file.
     pub path: PathBuf,
-    /// Clear radiance of the object, one channel or R, G, B.
+    /// Clear radiance of the object, one channel or R, G, B; its reflectance if there is `shading`.
     pub object: Vec<Channel>,
+    /// There if the object sends out no light of its own but reflects the illumination's.
+    pub shading: Option<Shading>,
     /// For each of these channels, the clear radiance of each further layer, nearest first.
     pub behind: Vec<Vec<Image>>,
     /// Camera, object distance, medium surface.
@@ -37,6 +41,8 @@ pub struct Scene {
     pub observation: Option<Observation>,
     /// What `[medium]` says, one for each object channel; see [`Scene::medium_values`].
     pub medium: Vec<PartialMedium>,
+    /// The light that falls into the medium: there if the scene was read for [`Purpose::Synthesize`].
+    pub illumination: Option<Illumination>,
     /// Starting values, fixed values and bounds of a fit, one for each object channel.
     pub fit: Vec<FitOptions>,
 }
@@ -48,6 +54,24 @@ pub enum Purpose {
     Fit,
     /// To render or trace: of `[observation]` only the place and the size of the view are read.
     Render,
+    /// To render with the light of `[illumination]`, which is required; else as to render.
+    Synthesize,
+}
+
+/// The light that falls into the medium.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Illumination {
+    /// All that is known of it is its veil over the view, the object's channels.
+    Veil(Vec<Channel>),
+    /// Parallel light.
+    Parallel {
+        /// Its direction, and the surface through which it enters the medium.
+        sun: Sun,
+        /// For each object channel, irradiance on a plane perpendicular to the light.
+        irradiance: Vec<f64>,
+        /// For each object channel, what bounds the medium below.
+        bottom: Vec<Bottom>,
+    },
 }
 
 /// The part of a medium that `[medium]` gives, each value in its range.

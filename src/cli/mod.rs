@@ -7,6 +7,7 @@ mod options;
 pub mod progress;
 mod render;
 mod reproduce;
+mod synthesize;
 mod trace;
 
 use crate::error::Error;
@@ -32,6 +33,8 @@ enum Command {
     Fit(fit::Arguments),
     /// Render a scene through its medium with a spread model
     Render(render::Arguments),
+    /// Synthesize a scene's image: direct and scattered light of the object, and the veil of the illumination
+    Synthesize(synthesize::Arguments),
     /// Trace a scene through its medium path by path: the truth, with its variance
     Trace(trace::Arguments),
     /// Tabulate and draw the spread kernels of a medium, beside traced ones if wanted
@@ -54,6 +57,7 @@ pub fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Fit(arguments) => fit::run(&arguments),
         Command::Render(arguments) => render::run(&arguments),
+        Command::Synthesize(arguments) => synthesize::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
         Command::Kernel(arguments) => kernel::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),

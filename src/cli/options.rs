@@ -4,6 +4,7 @@ use crate::error::Result;
 use crate::phase::b_of_spread_angle;
 use crate::spread::Model;
 use clap::Args;
+use std::path::{Path, PathBuf};
 
 /// The medium on the command line, in place of the scene's `[medium]`.
 #[derive(Debug, Args)]
@@ -48,6 +49,20 @@ fn number(text: &str, ok: impl Fn(f64) -> bool, allowed: &str) -> std::result::R
 /// A model's name; `auto` is `small-angle`.
 pub(super) fn parse_model(name: &str) -> Result<Model> {
     if name == "auto" { Ok(Model::SmallAngle) } else { name.parse() }
+}
+
+/// A path to an EXR image or a PNG picture.
+pub(super) fn exr_or_png(path: PathBuf) -> std::result::Result<PathBuf, &'static str> {
+    if has_extension(&path, "exr") || has_extension(&path, "png") {
+        Ok(path)
+    } else {
+        Err("must end in .exr or .png")
+    }
+}
+
+/// Whether `path` ends in `extension`, in any case.
+pub(super) fn has_extension(path: &Path, extension: &str) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
 /// Software and command line, for the files that a command writes.

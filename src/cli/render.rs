@@ -1,7 +1,7 @@
 //! `narrowbeam render`: a scene through its medium by a spread model.
 
 use super::backend::{Chosen, Wanted};
-use super::options::{MediumOptions, parse_model, provenance};
+use super::options::{MediumOptions, exr_or_png, has_extension, parse_model, provenance};
 use super::progress::Progress;
 use crate::error::Error;
 use crate::filter::{CUT, Filter, Optics, Target, hidden_share};
@@ -40,18 +40,6 @@ pub(super) struct Arguments {
     /// EXR of the object's channels, or a PNG picture
     #[arg(long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(exr_or_png))]
     hidden_share: Option<PathBuf>,
-}
-
-fn exr_or_png(path: PathBuf) -> std::result::Result<PathBuf, &'static str> {
-    if has_extension(&path, "exr") || has_extension(&path, "png") {
-        Ok(path)
-    } else {
-        Err("must end in .exr or .png")
-    }
-}
-
-fn has_extension(path: &Path, extension: &str) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {

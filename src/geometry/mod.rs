@@ -10,6 +10,7 @@ pub use camera::Camera;
 
 use crate::error::{Error, Result, in_range};
 use crate::image::Image;
+use glam::DVec3;
 
 /// A number for the whole image, or one for each pixel.
 #[derive(Debug, Clone, PartialEq)]
@@ -120,11 +121,15 @@ impl Geometry {
 
     /// Cosine of the angle between the ray through the centre of pixel (`x`, `y`) and the camera's axis.
     pub fn cos_off_axis(&self, x: usize, y: usize) -> f64 {
-        if matches!(self.camera, Camera::Orthographic { .. }) {
-            return 1.0;
+        match self.camera {
+            Camera::Orthographic { .. } => 1.0,
+            Camera::Perspective { .. } => self.ray_direction(x, y).z,
         }
-        let (_, direction) = self.camera.ray(x as f64 + 0.5, y as f64 + 0.5, (self.width, self.height));
-        direction.z
+    }
+
+    /// Unit vector from the camera along the ray through the centre of pixel (`x`, `y`).
+    pub fn ray_direction(&self, x: usize, y: usize) -> DVec3 {
+        self.camera.ray(x as f64 + 0.5, y as f64 + 0.5, (self.width, self.height)).1
     }
 
     /// The path lengths of all pixels that show an object; one stands for all of a flat scene.

@@ -83,6 +83,11 @@ impl Relief {
     }
 }
 
+/// Slopes of the object within its surfaces; `None` if it has none.
+pub(crate) fn surface_slopes(geometry: &Geometry) -> Option<Slopes> {
+    DepthMap::new(geometry, &geometry.depth).slopes()
+}
+
 /// The screen at `depth`; its path length is the median over its opaque pixels.
 fn screen(map: &DepthMap, depth: f64, opaque: Vec<bool>, hidden: Field) -> Screen {
     let covered = (0..opaque.len()).filter(|&i| opaque[i]);

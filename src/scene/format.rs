@@ -17,6 +17,7 @@ pub(super) struct SceneFile {
     pub medium: Option<MediumSection>,
     #[serde(default)]
     pub fit: FitSection,
+    pub illumination: Option<IlluminationSection>,
 }
 
 /// A truth file: the medium, beside tables that are for people.
@@ -28,7 +29,9 @@ pub(super) struct TruthFile {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ObjectSection {
-    pub radiance: PathBuf,
+    pub radiance: Option<PathBuf>,
+    pub reflectance: Option<PathBuf>,
+    pub shading: Option<PathBuf>,
     pub depth: NumberOrFile,
     #[serde(default)]
     pub depth_kind: DepthKind,
@@ -76,6 +79,17 @@ pub(super) struct ObservationSection {
     #[serde(default)]
     pub veil: VeilValue,
     pub hidden_share_max: Option<f64>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct IlluminationSection {
+    pub image: Option<PathBuf>,
+    pub direction: Option<[f64; 3]>,
+    pub irradiance: Option<Numbers>,
+    pub normal: Option<[f64; 3]>,
+    pub bottom: Option<f64>,
+    pub bottom_reflectance: Option<Numbers>,
 }
 
 #[derive(Debug, Deserialize)]

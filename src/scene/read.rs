@@ -2,7 +2,8 @@
 
 use super::fit_options::read_fit;
 use super::format::{CameraSection, DepthKind, SceneFile, parse};
-use super::images::{Distance, along_rays, depth, radiance, surface};
+use super::illumination::{Object, read_illumination, read_object};
+use super::images::{Distance, along_rays, depth, surface};
 use super::layers::read_layers;
 use super::medium::read_medium;
 use super::observation::{read_observation, view};
@@ -24,15 +25,14 @@ impl Scene {
         let source = Source { path };
         let file: SceneFile = parse(&source)?;
         let camera = camera(&source, &file.camera)?;
-        let object_path = source.resolve(&file.object.radiance);
         let section = file.observation.as_ref();
         let observed_path = section.filter(|_| purpose == Purpose::Fit).and_then(|s| s.image.as_ref());
         // The two large images are decoded side by side; the first one's errors come first.
         let (object, observed) = rayon::join(
-            || radiance(&object_path),
+            || read_object(&source, &file.object, purpose),
             || observed_path.map(|named| ExrFile::read(&source.resolve(named))),
         );
-        let object = object?;
+        let Object { path: object_path, channels: object, shading } = object?;
         let channels = object.len();
         let medium = read_medium(&source, file.medium.as_ref(), channels)?;
         let fit = read_fit(&source, &file.fit, channels)?;
@@ -46,13 +46,32 @@ impl Scene {
         let border = file.object.border;
         let view = view(&source, section, size, purpose)?;
         let observation = match purpose {
-            Purpose::Render => None,
+            Purpose::Render | Purpose::Synthesize => None,
             Purpose::Fit => {
                 check_contrast(&object_path, (&object, &behind), &geometry, border)?;
                 Some(read_observation(&source, section, observed, &object, view)?)
             }
         };
-        Ok(Self { path: path.into(), object, behind, geometry, border, view, observation, medium, fit })
+        let illumination = match purpose {
+            Purpose::Synthesize => {
+                let lit = shading.is_some();
+                Some(read_illumination(&source, file.illumination.as_ref(), &object, (&geometry, view), lit)?)
+            }
+            Purpose::Render | Purpose::Fit => None,
+        };
+        Ok(Self {
+            path: path.into(),
+            object,
+            shading,
+            behind,
+            geometry,
+            border,
+            view,
+            observation,
+            medium,
+            illumination,
+            fit,
+        })
     }
 }
 

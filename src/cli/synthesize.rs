@@ -1,0 +1,107 @@
+//! `narrowbeam synthesize`: all the light of a scene, the illumination's included.
+
+use super::backend::{Chosen, Wanted};
+use super::options::{MediumOptions, exr_or_png, has_extension, parse_model, provenance};
+use super::progress::Progress;
+use crate::error::Error;
+use crate::filter::{CUT, Filter};
+use crate::geometry::median;
+use crate::image::Channel;
+use crate::io::colour::Tone;
+use crate::io::{atomic, exr, png};
+use crate::scene::{Purpose, Scene};
+use crate::spread::{Model, SMALL_ANGLE_LIMIT, small_angle_error};
+use crate::synthesis::{Synthesis, synthesize};
+use anyhow::Result;
+use clap::builder::{PathBufValueParser, TypedValueParser};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Arguments {
+    /// Scene file with an [illumination]
+    #[arg(value_name = "SCENE.toml")]
+    scene: PathBuf,
+    /// Spread model: beer-lambert, single-scatter, gaussian, narrow-beam-printed, narrow-beam, small-angle or auto
+    #[arg(long, default_value = "auto", value_parser = parse_model)]
+    model: Model,
+    /// Filter for depth maps: eq29, composite, or auto: composite where the depth map has edges or slopes
+    #[arg(long, default_value = "auto")]
+    filter: Filter,
+    /// Where to compute: cpu, gpu (a graphics adapter, be it a software one), or auto: a real one if it pays off
+    #[arg(long, default_value = "auto")]
+    backend: Wanted,
+    #[command(flatten)]
+    medium: MediumOptions,
+    /// Image to write: direct + scattered object light + veil, an EXR of the object's channels or a PNG picture
+    #[arg(long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(exr_or_png))]
+    output: PathBuf,
+    /// Also write the parts of it as channels of an EXR: clear.R (object in clear air), direct.R, scattered.R, veil.R, ...
+    #[arg(long, value_name = "FILE.exr")]
+    parts: Option<PathBuf>,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
+    let scene = Scene::read(&arguments.scene, Purpose::Synthesize)?;
+    let media = scene.medium_values(arguments.medium.values())?;
+    atomic::check_writable(&arguments.output)?;
+    if let Some(path) = &arguments.parts {
+        if *path == arguments.output {
+            Err(Error::Usage(format!("--parts {}: is --output too", path.display())))?;
+        }
+        atomic::check_writable(path)?;
+    }
+    let scenes = [scene];
+    let chosen = Chosen::new(arguments.backend, &scenes, [1, 1])?;
+    let progress = Progress::uncounted("synthesizing");
+    let made = synthesize(&scenes[0], &media, arguments.model, arguments.filter, chosen.backend())?;
+    drop(progress);
+
+    let mut attributes = provenance();
+    attributes.push(("model".into(), arguments.model.name().into()));
+    attributes.push(("backend".into(), chosen.describe()));
+    attributes.push(("medium".into(), format!("{media:?}")));
+    let total = made.total();
+    if has_extension(&arguments.output, "png") {
+        png::write_picture(&arguments.output, &total, Tone::of(&total))?;
+    } else {
+        exr::write(&arguments.output, &total, &attributes)?;
+    }
+    if let Some(path) = &arguments.parts {
+        exr::write(path, &layers(&made), &attributes)?;
+    }
+    if made.cut {
+        eprintln!("warning (kernel_cut): {CUT}");
+    }
+    let z = median(scenes[0].geometry.path_lengths());
+    for (channel, medium) in total.iter().zip(&media) {
+        let validity = medium.sigma_s * z * 4.0 * medium.b;
+        if arguments.model.spreads() && validity > SMALL_ANGLE_LIMIT {
+            eprintln!(
+                "warning (outside_validity): tau·4B of channel {} is {validity:.3}, above {SMALL_ANGLE_LIMIT}: {} rests \
+                 on small angles, whose transfer function is off by {} there",
+                channel.name,
+                arguments.model,
+                small_angle_error(validity)
+            );
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The parts as channels of one file, each behind its name.
+fn layers(made: &Synthesis) -> Vec<Channel> {
+    let parts = [
+        ("clear", &made.clear),
+        ("direct", &made.direct),
+        ("scattered", &made.scattered),
+        ("veil", &made.veil),
+    ];
+    let layer = |(part, channels): (&str, &Vec<Channel>)| -> Vec<Channel> {
+        channels
+            .iter()
+            .map(|c| Channel { name: format!("{part}.{}", c.name), image: c.image.clone() })
+            .collect()
+    };
+    parts.into_iter().flat_map(layer).collect()
+}
