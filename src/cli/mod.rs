@@ -6,6 +6,7 @@ mod kernel;
 mod options;
 pub mod progress;
 mod render;
+mod table;
 mod trace;
 
 use crate::error::Error;
@@ -35,6 +36,8 @@ enum Command {
     Trace(trace::Arguments),
     /// Tabulate and draw the spread kernels of a medium, beside traced ones if wanted
     Kernel(kernel::Arguments),
+    /// Make the table behind the model wide-angle from scratch
+    Table(table::Arguments),
 }
 
 /// Writes `text` to stdout. A reader that has gone away is not an error.
@@ -53,6 +56,7 @@ pub fn main() -> ExitCode {
         Command::Render(arguments) => render::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
         Command::Kernel(arguments) => kernel::run(&arguments),
+        Command::Table(arguments) => table::run(&arguments),
     };
     done.unwrap_or_else(|error| {
         eprintln!("narrowbeam: {error}");

@@ -8,7 +8,7 @@
 //! - *Absorption of the excess length is played, not weighed.* A segment of length l and direction cosine mu exceeds
 //!   its depth l mu by l (1 - mu), so a path dies at the rate a (1 - mu), and arrives with the chance
 //!   E[exp(-a (L - 1))]: the weight exp(-a) is left, the same for all.
-//! - *Multilevel splitting* (Kahn and Harris 1951; Garvels 2000): those that reach the next of [`LEVELS`] depths for the
+//! - *Multilevel splitting* (Kahn and Harris 1951; Garvels 2000): those that reach the next of eight depths for the
 //!   first time are copied until they are as many again as set out, and each counts for the share that got there. The
 //!   product of the shares estimates without bias the light that arrives, be it exp(-20).
 
