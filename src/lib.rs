@@ -81,9 +81,11 @@
 //! | [`fit`] | estimates, their errors, the report |
 //! | [`trace`] | photon tracer: the independent witness, uses none of the three above |
 //! | [`compare`], [`paper`] | a kernel against traced light; the paper's experiments |
+//! | [`table`] | makes the table of the kernel [`spread::wide_angle`] by tracing |
 //! | [`scene`], [`io`], [`plots`], [`cli`] | scene files; EXR and PNG; pictures; the command line |
 //! | [`error`](mod@error) | every refusal, naming the culprit |
 
+mod chebyshev;
 pub mod cli;
 pub mod compare;
 pub mod error;
@@ -103,6 +105,7 @@ pub mod relief;
 pub mod scene;
 pub mod spread;
 pub mod synthesis;
+pub mod table;
 pub mod trace;
 
 pub use error::{Error, Result};

@@ -8,6 +8,7 @@ pub mod progress;
 mod render;
 mod reproduce;
 mod synthesize;
+mod table;
 mod trace;
 
 use crate::error::Error;
@@ -41,6 +42,8 @@ enum Command {
     Kernel(kernel::Arguments),
     /// Make the paper's experiments again: its figures as PNG and SVG, with their numbers as CSV
     Reproduce(reproduce::Arguments),
+    /// Make the table behind the model wide-angle from scratch
+    Table(table::Arguments),
 }
 
 /// Writes `text` to stdout. A reader that has gone away is not an error.
@@ -61,6 +64,7 @@ pub fn main() -> ExitCode {
         Command::Trace(arguments) => trace::run(&arguments),
         Command::Kernel(arguments) => kernel::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
+        Command::Table(arguments) => table::run(&arguments),
     };
     done.unwrap_or_else(|error| {
         eprintln!("narrowbeam: {error}");

@@ -20,7 +20,6 @@ pub mod basis;
 mod bend;
 pub mod blur;
 mod canvas;
-mod chebyshev;
 pub mod composite_sum;
 pub mod cpu;
 pub mod direct_sum;

@@ -9,8 +9,8 @@
 //! The angle is that of the ray which sees the light, not of the pixel that sends it: so a plane of uniform radiance
 //! keeps it. Images of a few angles are interpolated to each pixel's own.
 
-use super::chebyshev::Chebyshev;
 use super::slices::Node;
+use crate::chebyshev::Chebyshev;
 use crate::geometry::{Camera, Geometry};
 use crate::image::View;
 

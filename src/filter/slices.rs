@@ -7,7 +7,7 @@
 //! gets exactly those.
 
 use super::Optics;
-use super::chebyshev::Chebyshev;
+use crate::chebyshev::Chebyshev;
 use crate::error::Result;
 
 /// A path length along the camera's axis, and the length of a pixel at its end.

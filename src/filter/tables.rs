@@ -3,8 +3,8 @@
 //! The baseband part of s̃ depends on |w| alone and is tabulated along it; the alias part is smooth over the whole
 //! baseband and is interpolated from a few nodes.
 
-use super::chebyshev::Chebyshev;
 use super::footprint::aliases;
+use crate::chebyshev::Chebyshev;
 use crate::spread::{Dual, SpreadKernel};
 use std::f64::consts::PI;
 

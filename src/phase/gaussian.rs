@@ -66,6 +66,13 @@ impl Gaussian {
         self.b
     }
 
+    /// Mean square of the deflection on the sphere, rad². With p(theta) = N exp(-theta²/4B), d ln N/dB is minus this by 4B².
+    pub fn mean_square_angle(&self) -> f64 {
+        let end = PI.min(20.0 * self.b.sqrt());
+        let moment = |theta: f64| theta * theta * (-theta * theta / (4.0 * self.b)).exp() * theta.sin();
+        0.5 * self.peak * integrate(0.0, end, 8, moment)
+    }
+
     /// sqrt(4B): rms of a single deflection for small B, radians.
     pub fn spread_angle(&self) -> f64 {
         (4.0 * self.b).sqrt()

@@ -24,6 +24,7 @@ mod hankel;
 mod moment_matched;
 mod single_scatter;
 mod small_angle;
+pub mod wide_angle;
 
 use crate::error::{Error, Result, in_range};
 use crate::medium::Medium;

@@ -31,10 +31,12 @@ impl Path {
         self.length += distance;
     }
 
-    /// Turns into a direction drawn from `phase`.
+    /// Turns into a direction drawn from `phase`. Returns the angle between the two, rad.
     #[inline]
-    pub fn scatter(&mut self, phase: &impl PhaseFunction, stream: &mut Stream) {
-        self.direction = turned(self.direction, phase.sample(&mut || stream.uniform()));
+    pub fn scatter(&mut self, phase: &impl PhaseFunction, stream: &mut Stream) -> f32 {
+        let deflection = phase.sample(&mut || stream.uniform());
+        self.direction = turned(self.direction, deflection);
+        deflection[0].atan2(deflection[1])
     }
 }
 

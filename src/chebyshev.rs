@@ -41,4 +41,33 @@ impl Chebyshev {
         let sum: f64 = raw.iter().sum();
         raw.into_iter().map(|w| w / sum).collect()
     }
+
+    /// Derivatives of the [`basis`](Self::basis) in `x`; they add up to 0.
+    pub fn basis_slope(&self, x: f64) -> Vec<f64> {
+        let others = |i: usize| (0..self.x.len()).filter(move |&j| j != i);
+        let factor = |i: usize, j: usize| (x - self.x[j]) / (self.x[i] - self.x[j]);
+        let without =
+            |i: usize, j: usize| others(i).filter(|&k| k != j).map(|k| factor(i, k)).product::<f64>();
+        let slope = |i: usize| others(i).map(|j| without(i, j) / (self.x[i] - self.x[j])).sum();
+        (0..self.x.len()).map(slope).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_slope_of_the_basis_is_its_derivative() {
+        let nodes = Chebyshev::new(7, -0.5, 2.0);
+        // At a node, between nodes, and at an end; a polynomial of degree 6 has differences exact to step².
+        for x in [nodes.x[2], 0.3, 2.0] {
+            let step = 1e-5;
+            let (up, down) = (nodes.basis(x + step), nodes.basis(x - step));
+            for (i, slope) in nodes.basis_slope(x).into_iter().enumerate() {
+                let difference = (up[i] - down[i]) / (2.0 * step);
+                assert!((slope - difference).abs() < 1e-6, "{x} {i}: {slope} {difference}");
+            }
+        }
+    }
 }

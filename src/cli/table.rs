@@ -1,0 +1,82 @@
+//! `narrowbeam table`: makes the table of the model `wide-angle` from scratch.
+//!
+//! Nodes are independent, each with its own seed, and are written as they are done; a run that was killed goes on
+//! from the last one.
+
+use super::options::provenance;
+use super::progress::Progress;
+use super::say;
+use crate::error::{Error, Result};
+use crate::io::atomic;
+use crate::spread::wide_angle::table::{NUMBERS, Table};
+use crate::table::node;
+use rayon::prelude::*;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Nodes between two writes: work for any number of cores.
+const AT_ONCE: usize = 16;
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Arguments {
+    /// Paths traced for each node, up to eight times as many where absorption takes most of them
+    #[arg(long, value_name = "N", default_value_t = 200_000, value_parser = clap::value_parser!(u64).range(1..1 << 32))]
+    paths: u64,
+    /// Seed of the random numbers
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// Table to write; until it is complete, FILE.part
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
+    atomic::check_writable(&arguments.out)?;
+    let mut part = arguments.out.clone().into_os_string();
+    part.push(".part");
+    let part = PathBuf::from(part);
+    let fixed = format!("seed {}; paths {};", arguments.seed, arguments.paths);
+    let line = Table::line(&format!("{fixed} {}", provenance()[0].1));
+    let mut bytes = resumed(&part, &line).unwrap_or_else(|| line.clone().into_bytes());
+    let unwritten = |source| Error::Write { path: part.clone(), source };
+    fs::write(&part, &bytes).map_err(unwritten)?;
+    let mut file = fs::OpenOptions::new().append(true).open(&part).map_err(unwritten)?;
+
+    let places = Table::places();
+    let done = (bytes.len() - line.len()) / (4 * NUMBERS);
+    let progress = Progress::new("tracing", "nodes", places.len() as u64);
+    progress.add(done as u64);
+    for start in (done..places.len()).step_by(AT_ONCE) {
+        let numbers = (start..places.len().min(start + AT_ONCE))
+            .into_par_iter()
+            .map(|i| {
+                let seed = arguments.seed.wrapping_mul(places.len() as u64).wrapping_add(i as u64);
+                let numbers = node(&places[i], arguments.paths, seed)?;
+                progress.add(1);
+                Ok(numbers)
+            })
+            .collect::<Result<Vec<_>>>()?;
+        let new: Vec<u8> = numbers.iter().flatten().flat_map(|n| n.to_le_bytes()).collect();
+        file.write_all(&new).map_err(unwritten)?;
+        bytes.extend(new);
+    }
+    atomic::write(&arguments.out, &bytes)?;
+    atomic::remove(&part)?;
+    drop(progress);
+    say(&format!("{}: {} nodes, {} bytes\n", arguments.out.display(), places.len(), bytes.len()))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The complete nodes of a table begun with the same line.
+fn resumed(part: &Path, line: &str) -> Option<Vec<u8>> {
+    let mut bytes = fs::read(part).ok()?;
+    let (found, nodes) = Table::split(&bytes).ok()?;
+    let whole = line.len() + nodes.len() * 4 * NUMBERS;
+    if found != line {
+        return None;
+    }
+    bytes.truncate(whole);
+    Some(bytes)
+}

@@ -1,0 +1,57 @@
+//! Light in bins of radius laid out on the mixture's Gaussians.
+//!
+//! The shares that make the binned light most likely, found by expectation maximisation (Dempster, Laird and Rubin
+//! 1977; in imaging, Richardson 1972 and Lucy 1974): p_j <- p_j sum_b d_b g_jb / sum_l p_l g_lb, with d the light in
+//! bin b and g_jb the share of Gaussian j that falls there. Shares stay positive and add up to 1, and as it starts
+//! from equal shares and is stopped, noise is not chased.
+
+use crate::spread::wide_angle::table::{RUNGS, rung};
+use libm::erf;
+use std::f64::consts::PI;
+
+/// Steps of the iteration.
+const STEPS: usize = 3000;
+
+/// Where the light of each Gaussian falls: [bin][rung].
+pub(super) struct Laid(Vec<[f64; RUNGS]>);
+
+impl Laid {
+    /// Of Gaussians: within r is 1 - exp(-r²/2s²).
+    pub(super) fn light(edges: &[f64]) -> Self {
+        Self::new(edges, |y| -(-0.5 * y * y).exp_m1())
+    }
+
+    /// Of their gradients, whose light in a ring is ∝ r² exp(-r²/2s²): Maxwell's distribution.
+    pub(super) fn slope(edges: &[f64]) -> Self {
+        Self::new(edges, |y| erf(y / 2.0_f64.sqrt()) - (2.0 / PI).sqrt() * y * (-0.5 * y * y).exp())
+    }
+
+    fn new(edges: &[f64], within: impl Fn(f64) -> f64) -> Self {
+        let mut inner = [0.0; RUNGS];
+        let bins = edges.iter().copied().chain([f64::INFINITY]).map(|edge| {
+            let outer = std::array::from_fn(|j| if edge.is_finite() { within(edge / rung(j)) } else { 1.0 });
+            let bin = std::array::from_fn(|j| outer[j] - inner[j]);
+            inner = outer;
+            bin
+        });
+        Self(bins.collect())
+    }
+
+    /// The shares of the Gaussians in the light of all bins; bins without light count as empty.
+    pub(super) fn shares(&self, light: &[f64]) -> [f64; RUNGS] {
+        let total: f64 = light.iter().map(|l| l.max(0.0)).sum();
+        let mut shares = [1.0 / RUNGS as f64; RUNGS];
+        for _ in 0..STEPS {
+            let mut next = [0.0; RUNGS];
+            for (gaussians, light) in self.0.iter().zip(light).filter(|(_, l)| **l > 0.0) {
+                let model: f64 = gaussians.iter().zip(&shares).map(|(g, p)| g * p).sum();
+                let ratio = light / (total * model.max(f64::MIN_POSITIVE));
+                for (n, g) in next.iter_mut().zip(gaussians) {
+                    *n += ratio * g;
+                }
+            }
+            shares.iter_mut().zip(next).for_each(|(p, n)| *p *= n);
+        }
+        shares
+    }
+}

@@ -1,0 +1,50 @@
+//! Light scattered once, exactly.
+//!
+//! A path turned by theta at the height u above the plane lands at r = u tan(theta), after the length
+//! 1 - u + u/cos(theta). With P the phase function per steradian, t = tau + a and c = t (1/cos(theta) - 1), the light
+//! within r is
+//!
+//! `tau exp(-t) ∫_0^{pi/2} 2 pi sin(theta) P(theta) (1 - exp(-c U))/c dtheta,  U = min(1, r/tan(theta))`,
+//!
+//! and its slope is tan(theta).
+
+use super::Radial;
+use crate::phase::{Gaussian, PhaseFunction};
+use crate::quadrature::nodes;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// Light scattered once in the bins between `edges`, in units of z sqrt(B).
+pub(super) fn radial(tau: f64, absorption: f64, phase: &Gaussian, edges: &[f64]) -> Radial {
+    let width = phase.b().sqrt();
+    let within: Vec<[f64; 2]> = edges
+        .iter()
+        .map(|x| encircled(tau, absorption, phase, x * width))
+        .chain([encircled(tau, absorption, phase, f64::INFINITY)])
+        .collect();
+    let between = |i: usize| -> Vec<f64> {
+        let mut last = 0.0;
+        within.iter().map(|e| e[i] - std::mem::replace(&mut last, e[i])).collect()
+    };
+    Radial { light: between(0), slope: between(1) }
+}
+
+/// Light, and light times slope, within radius `r`.
+fn encircled(tau: f64, absorption: f64, phase: &Gaussian, r: f64) -> [f64; 2] {
+    let t = tau + absorption;
+    let end = FRAC_PI_2.min(20.0 * phase.b().sqrt());
+    let bend = r.atan().min(end);
+    let mut sums = [0.0; 2];
+    for (from, to) in [(0.0, bend), (bend, end)] {
+        let panels = 1 + (2.0 * (to - from) / phase.b().sqrt()) as usize;
+        for (theta, weight) in nodes(from, to, panels) {
+            let (sin, cos) = theta.sin_cos();
+            let reach = (r * cos / sin).min(1.0);
+            let c = t * (1.0 - cos) / cos;
+            let length = if c * reach < 1e-9 { reach } else { -(-c * reach).exp_m1() / c };
+            let light = weight * 2.0 * PI * sin * phase.pdf(cos) * length;
+            sums[0] += light;
+            sums[1] += light * sin / cos;
+        }
+    }
+    sums.map(|s| tau * (-t).exp() * s)
+}

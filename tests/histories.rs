@@ -1,0 +1,129 @@
+//! Histories against the radial tally, and reweighted histories against those of the other medium.
+
+use narrowbeam::medium::Medium;
+use narrowbeam::phase::{Gaussian, b_of_spread_angle};
+use narrowbeam::trace::{
+    Histories, History, RadialConfig, Reweighted, ScaledMedium, trace_histories, trace_radial,
+};
+
+const PATHS: u64 = 200_000;
+
+fn scaled(tau: f64, absorption: f64, degrees: f64) -> ScaledMedium {
+    ScaledMedium { tau, absorption, b: b_of_spread_angle(degrees.to_radians()) }
+}
+
+/// Light within `radius`.
+fn within(histories: &Histories, radius: f64) -> f64 {
+    histories.weight * histories.paths.iter().filter(|h| f64::from(h.radius) < radius).count() as f64
+}
+
+/// Mean over independent runs of the light within `radius`, and its standard error: copies of a path are not independent.
+fn light(medium: ScaledMedium, radius: f64) -> (f64, f64) {
+    let runs = 16;
+    let one = |seed| within(&trace_histories(medium, PATHS / runs, seed).unwrap(), radius);
+    let values: Vec<f64> = (100..100 + runs).map(one).collect();
+    let mean = values.iter().sum::<f64>() / runs as f64;
+    let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
+    (mean, (squares / (runs * (runs - 1)) as f64).sqrt())
+}
+
+#[test]
+fn light_within_a_radius_is_that_of_the_radial_tally() {
+    for medium in [scaled(0.1, 0.0, 10.0), scaled(2.0, 1.0, 30.0), scaled(4.0, 4.0, 40.0)] {
+        let radii = vec![0.3, 1.0];
+        let config = RadialConfig {
+            medium: Medium::new(medium.tau, medium.absorption).unwrap(),
+            depths: vec![1.0],
+            edges: radii.clone(),
+            paths: 1_000_000,
+            seed: 12,
+        };
+        let profile = trace_radial(&config, &Gaussian::new(medium.b).unwrap(), &|_| ()).unwrap().remove(0);
+        for (i, radius) in radii.into_iter().enumerate() {
+            let (found, error) = light(medium, radius);
+            let want = profile.encircled_energy(i);
+            // Of a standard error from 16 runs, five are exceeded in one of 5000 cases.
+            let noise = 5.0 * error.hypot(want.std_error);
+            assert!((found - want.value).abs() < noise, "{medium:?} {radius}: {found} ± {error}, {want:?}");
+            // A tenth less light would be seen.
+            assert!(0.1 * found > noise, "{medium:?} {radius}: {noise}");
+        }
+    }
+}
+
+#[test]
+fn histories_do_not_depend_on_the_number_of_threads() {
+    let medium = scaled(3.0, 1.0, 25.0);
+    let trace = || trace_histories(medium, 5_000, 3).unwrap();
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(trace);
+    assert_eq!(one, trace());
+}
+
+/// Light near the axis.
+fn near(path: &History) -> f64 {
+    f64::from(u8::from(path.radius < 0.25))
+}
+
+#[test]
+fn reweighted_histories_are_those_of_the_other_medium() {
+    let from = trace_histories(scaled(1.0, 0.3, 20.0), PATHS, 21).unwrap();
+    let to = scaled(1.15, 0.5, 21.5);
+    let reweighted = from.reweighted(to, near).unwrap();
+    let fresh = within(&trace_histories(to, PATHS, 22).unwrap(), 0.25);
+    assert!(reweighted.effective_paths > 0.5 * PATHS as f64);
+    let noise = fresh * 4.0 * (1.0 / reweighted.effective_paths + 1.0 / PATHS as f64).sqrt();
+    assert!((reweighted.value - fresh).abs() < noise, "{reweighted:?} {fresh}");
+    // The medium itself is farther off than that.
+    assert!((within(&from, 0.25) - fresh).abs() > 2.0 * noise);
+}
+
+#[test]
+fn derivatives_of_reweighted_light_are_those_of_its_differences() {
+    let from = trace_histories(scaled(1.0, 0.3, 20.0), PATHS, 23).unwrap();
+    let at = |p: [f64; 3]| -> Reweighted {
+        from.reweighted(ScaledMedium { tau: p[0], absorption: p[1], b: p[2] }, near).unwrap()
+    };
+    let p = [1.1, 0.35, 0.031];
+    for i in 0..3 {
+        let step = 1e-4 * p[i];
+        let (mut up, mut down) = (p, p);
+        up[i] += step;
+        down[i] -= step;
+        let difference = (at(up).value - at(down).value) / (2.0 * step);
+        // The same paths on both sides: only the step's square is left.
+        let off = (at(p).gradient[i] - difference).abs() * p[i];
+        assert!(off < 1e-6 * at(p).value, "{i}: {} {difference}", at(p).gradient[i]);
+    }
+}
+
+#[test]
+fn derivatives_are_those_of_fresh_tracing() {
+    let p = [1.0, 0.3, b_of_spread_angle(20.0_f64.to_radians())];
+    let medium = |p: [f64; 3]| ScaledMedium { tau: p[0], absorption: p[1], b: p[2] };
+    let paths = 4 * PATHS;
+    let gradient =
+        trace_histories(medium(p), paths, 31).unwrap().reweighted(medium(p), near).unwrap().gradient;
+    for i in 0..3 {
+        let step = 0.2 * p[i];
+        let (mut up, mut down) = (p, p);
+        up[i] += step;
+        down[i] -= step;
+        let light = |p: [f64; 3], seed: u64| within(&trace_histories(medium(p), paths, seed).unwrap(), 0.25);
+        let (more, less) = (light(up, 32), light(down, 33));
+        let difference = (more - less) / (2.0 * step);
+        // Five standard errors of the difference, and the next order of a step of a fifth.
+        let noise = 5.0 * (2.0 * more * (1.0 - more) / paths as f64).sqrt() / (2.0 * step);
+        let bound = noise + 0.06 * difference.abs();
+        assert!((gradient[i] - difference).abs() < bound, "{i}: {} {difference} {noise}", gradient[i]);
+    }
+}
+
+#[test]
+fn effective_paths_fall_with_the_distance_of_the_medium() {
+    let from = trace_histories(scaled(1.0, 0.0, 20.0), PATHS, 41).unwrap();
+    let effective = |to| from.reweighted(to, |_| 1.0).unwrap().effective_paths;
+    let here = effective(scaled(1.0, 0.0, 20.0));
+    assert!((here - from.paths.len() as f64).abs() < 1e-6 * here);
+    let (near, far) = (effective(scaled(1.1, 0.1, 21.0)), effective(scaled(3.0, 0.1, 30.0)));
+    assert!(near > 0.9 * here && far < 0.3 * here, "{here} {near} {far}");
+}
