@@ -79,7 +79,8 @@
 //! | [`filter`] | from the clear object to the image through the medium, for any depth map |
 //! | [`illumination`], [`synthesis`] | light that falls into the medium and its veil; images with all their light |
 //! | [`fit`] | estimates, their errors, the report |
-//! | [`trace`] | photon tracer: the independent witness, uses none of the three above |
+//! | [`gpu`] | graphics adapters; knows nothing of light |
+//! | [`trace`] | photon tracer: the independent witness, uses neither `spread` nor `filter` nor `fit` |
 //! | [`compare`], [`paper`] | a kernel against traced light; the paper's experiments |
 //! | [`table`] | makes the table of the kernel [`spread::wide_angle`] by tracing |
 //! | [`scene`], [`io`], [`plots`], [`cli`] | scene files; EXR and PNG; pictures; the command line |

@@ -19,8 +19,6 @@ pub struct Adapter {
     pub software: bool,
     /// Largest buffer that a shader can be given, bytes.
     pub most_bytes: u64,
-    /// Memory that the invocations of one workgroup share, bytes.
-    pub shared_bytes: usize,
     handle: wgpu::Adapter,
 }
 
@@ -49,7 +47,6 @@ impl Adapter {
             interface: format!("{:?}", info.backend),
             software: info.device_type == DeviceType::Cpu,
             most_bytes: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size),
-            shared_bytes: limits.max_compute_workgroup_storage_size as usize,
             handle,
         }
     }

@@ -112,7 +112,7 @@ mod tests {
             assert!((srgb_inverse(encoded) - linear).abs() < 1e-5, "{linear}");
         }
         let tone = Tone { white: 2.0 };
-        let levels = [-1.0, f64::NAN, 0.0, 2.0 * 0.214041, 2.0, 9.0].map(|v| tone.level(v));
+        let levels = [-1.0, f64::NAN, 0.0, 2.0 * 0.2150, 2.0, 9.0].map(|v| tone.level(v));
         assert_eq!(levels, [0, 0, 0, 128, 255, 255]);
         for level in 0..=255u8 {
             assert_eq!(tone.level(2.0 * srgb_inverse(f64::from(level) / 255.0)), level);
