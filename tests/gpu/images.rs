@@ -147,7 +147,7 @@ fn light_is_neither_lost_nor_made() {
 }
 
 #[test]
-#[ignore = "3 minutes on a software adapter; cargo test --release --test gpu full_size -- --ignored --nocapture"]
+#[ignore = "half an hour on a software adapter; cargo test --release --test gpu full_size -- --ignored --nocapture"]
 fn a_full_size_image_equals_the_definition_at_every_kernel_width() {
     println!("reference                        width/px   gpu     cpu     gpu's total light");
     for width_px in [0.3, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0] {
