@@ -1,17 +1,15 @@
 //! `narrowbeam fit`: from observed scenes to a medium.
 
-use super::backend::{Chosen, Wanted};
-use super::options::{parse_model, provenance};
+use super::backend::Chosen;
+use super::options::{RenderOptions, provenance};
 use super::progress::Progress;
 use super::{UNDETERMINED, say};
-use crate::filter::Filter;
 use crate::fit::scenes::{SceneFit, check_scenes, fit_scenes};
 use crate::fit::{Method, Settings};
 use crate::io::colour::{Tone, residual_scale};
 use crate::io::{atomic, exr, png};
 use crate::plots::{Figure, Panel, Shade};
 use crate::scene::{Purpose, Scene};
-use crate::spread::Model;
 use anyhow::Result;
 use rayon::prelude::*;
 use std::path::PathBuf;
@@ -22,15 +20,8 @@ pub(super) struct Arguments {
     /// Scene files; several share one medium
     #[arg(required = true, value_name = "SCENE.toml")]
     scenes: Vec<PathBuf>,
-    /// Spread model: beer-lambert, single-scatter, gaussian, narrow-beam-printed, narrow-beam, small-angle or auto
-    #[arg(long, default_value = "auto", value_parser = parse_model)]
-    model: Model,
-    /// Filter for depth maps: eq29, composite, or auto: composite where the depth map has edges or slopes
-    #[arg(long, default_value = "auto")]
-    filter: Filter,
-    /// Where to compute: cpu, gpu (a graphics adapter, be it a software one), or auto: a real one if it pays off
-    #[arg(long, default_value = "auto")]
-    backend: Wanted,
+    #[command(flatten)]
+    rendering: RenderOptions,
     /// Optimiser: levenberg-marquardt or nelder-mead
     #[arg(long, default_value = "levenberg-marquardt")]
     solver: Method,
@@ -56,11 +47,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
         .iter()
         .map(|path| Scene::read(path, Purpose::Fit))
         .collect::<crate::Result<Vec<_>>>()?;
-    let chosen = Chosen::new(arguments.backend, &scenes, [CONFIRMING_RENDERS, TYPICAL_RENDERS])?;
+    let chosen = Chosen::new(arguments.rendering.backend, &scenes, [CONFIRMING_RENDERS, TYPICAL_RENDERS])?;
     let renders = TYPICAL_RENDERS * (scenes.len() * scenes[0].object.len()) as u64;
     let progress = Progress::new("fitting", "renders", renders);
     let settings = Settings {
-        model: arguments.model,
+        model: arguments.rendering.model,
         backend: chosen.backend(),
         method: arguments.solver,
         max_iterations: arguments.max_iterations,
@@ -75,7 +66,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
         }
     }
     atomic::check_writable(&arguments.out.join("fit.json"))?;
-    let mut fit = fit_scenes(&scenes, &settings, arguments.filter)?;
+    let mut fit = fit_scenes(&scenes, &settings, arguments.rendering.filter)?;
     drop(progress);
     fit.report.backend["reason"] = chosen.reason.clone().into();
     fit.report.command = provenance().into_iter().find(|(key, _)| key == "command").map(|(_, value)| value);

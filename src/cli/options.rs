@@ -1,6 +1,8 @@
 //! Options that several commands share.
 
+use super::backend::Wanted;
 use crate::error::Result;
+use crate::filter::Filter;
 use crate::phase::b_of_spread_angle;
 use crate::spread::Model;
 use clap::Args;
@@ -29,6 +31,20 @@ impl MediumOptions {
         let b = self.b.or(self.spread_angle_deg.map(|d| b_of_spread_angle(d.to_radians())));
         [self.sigma_s, self.sigma_a, b]
     }
+}
+
+/// How a scene is rendered.
+#[derive(Debug, Args)]
+pub(super) struct RenderOptions {
+    /// Spread model: beer-lambert, single-scatter, gaussian, narrow-beam-printed, narrow-beam, small-angle or auto
+    #[arg(long, default_value = "auto", value_parser = parse_model)]
+    pub model: Model,
+    /// Filter for depth maps: eq29, composite, or auto: composite where the depth map has edges or slopes
+    #[arg(long, default_value = "auto")]
+    pub filter: Filter,
+    /// Where to compute: cpu, gpu (a graphics adapter, be it a software one), or auto: a real one if it pays off
+    #[arg(long, default_value = "auto")]
+    pub backend: Wanted,
 }
 
 /// A finite number above 0.

@@ -1,7 +1,7 @@
 //! `narrowbeam render`: a scene through its medium by a spread model.
 
-use super::backend::{Chosen, Wanted};
-use super::options::{MediumOptions, exr_or_png, has_extension, parse_model, provenance};
+use super::backend::Chosen;
+use super::options::{MediumOptions, RenderOptions, exr_or_png, has_extension, provenance};
 use super::progress::Progress;
 use crate::error::Error;
 use crate::filter::{CUT, Filter, Optics, Target, hidden_share};
@@ -11,7 +11,6 @@ use crate::medium::Medium;
 use crate::phase::Gaussian;
 use crate::plots::{Figure, Panel, Shade};
 use crate::scene::{Purpose, Scene};
-use crate::spread::Model;
 use anyhow::Result;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use std::path::{Path, PathBuf};
@@ -22,15 +21,8 @@ pub(super) struct Arguments {
     /// Scene file
     #[arg(value_name = "SCENE.toml")]
     scene: PathBuf,
-    /// Spread model: beer-lambert, single-scatter, gaussian, narrow-beam-printed, narrow-beam, small-angle or auto
-    #[arg(long, default_value = "auto", value_parser = parse_model)]
-    model: Model,
-    /// Filter for depth maps: eq29, composite, or auto: composite where the depth map has edges or slopes
-    #[arg(long, default_value = "auto")]
-    filter: Filter,
-    /// Where to compute: cpu, gpu (a graphics adapter, be it a software one), or auto: a real one if it pays off
-    #[arg(long, default_value = "auto")]
-    backend: Wanted,
+    #[command(flatten)]
+    rendering: RenderOptions,
     #[command(flatten)]
     medium: MediumOptions,
     /// Image to write
@@ -47,16 +39,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let media = scene.medium_values(arguments.medium.values())?;
     check_outputs(arguments)?;
     let scenes = [scene];
-    let chosen = Chosen::new(arguments.backend, &scenes, [1, 1])?;
+    let chosen = Chosen::new(arguments.rendering.backend, &scenes, [1, 1])?;
     let (backend, [scene]) = (chosen.backend(), &scenes);
     let progress = Progress::uncounted("rendering");
-    let relief = arguments.filter.relief(&scene.geometry);
+    let relief = arguments.rendering.filter.relief(&scene.geometry);
     let mut cut = false;
     let (mut channels, mut shares) = (Vec::new(), Vec::new());
     for ((object, behind), values) in scene.object.iter().zip(&scene.behind).zip(&media) {
         let phase = Gaussian::new(values.b)?;
         let medium = Medium::new(values.sigma_s, values.sigma_a)?;
-        let optics = Optics { model: arguments.model, medium, phase: &phase };
+        let optics = Optics { model: arguments.rendering.model, medium, phase: &phase };
         let target = Target {
             radiance: &object.image,
             behind,
@@ -76,7 +68,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     }
     drop(progress);
     let mut attributes = provenance();
-    attributes.push(("model".into(), arguments.model.name().into()));
+    attributes.push(("model".into(), arguments.rendering.model.name().into()));
     attributes.push(("filter".into(), Filter::of(relief.as_ref()).name().into()));
     attributes.push(("backend".into(), chosen.describe()));
     attributes.push(("medium".into(), format!("{media:?}")));
@@ -97,7 +89,7 @@ fn check_outputs(arguments: &Arguments) -> Result<()> {
     atomic::check_writable(&arguments.output)?;
     if let Some(path) = &arguments.hidden_share {
         let refuse = |why| Err(Error::Usage(format!("--hidden-share {}: {why}", path.display())));
-        if arguments.filter == Filter::Eq29 {
+        if arguments.rendering.filter == Filter::Eq29 {
             refuse(
                 "--filter eq29 lets light pass through near surfaces, so it knows of nothing hidden; use composite or auto",
             )?;

@@ -1,16 +1,16 @@
 //! `narrowbeam synthesize`: all the light of a scene, the illumination's included.
 
-use super::backend::{Chosen, Wanted};
-use super::options::{MediumOptions, exr_or_png, has_extension, parse_model, provenance};
+use super::backend::Chosen;
+use super::options::{MediumOptions, RenderOptions, exr_or_png, has_extension, provenance};
 use super::progress::Progress;
 use crate::error::Error;
-use crate::filter::{CUT, Filter};
+use crate::filter::CUT;
 use crate::geometry::median;
 use crate::image::Channel;
 use crate::io::colour::Tone;
 use crate::io::{atomic, exr, png};
 use crate::scene::{Purpose, Scene};
-use crate::spread::{Model, SMALL_ANGLE_LIMIT, small_angle_error};
+use crate::spread::{SMALL_ANGLE_LIMIT, small_angle_error};
 use crate::synthesis::{Synthesis, synthesize};
 use anyhow::Result;
 use clap::builder::{PathBufValueParser, TypedValueParser};
@@ -22,15 +22,8 @@ pub(super) struct Arguments {
     /// Scene file with an [illumination]
     #[arg(value_name = "SCENE.toml")]
     scene: PathBuf,
-    /// Spread model: beer-lambert, single-scatter, gaussian, narrow-beam-printed, narrow-beam, small-angle or auto
-    #[arg(long, default_value = "auto", value_parser = parse_model)]
-    model: Model,
-    /// Filter for depth maps: eq29, composite, or auto: composite where the depth map has edges or slopes
-    #[arg(long, default_value = "auto")]
-    filter: Filter,
-    /// Where to compute: cpu, gpu (a graphics adapter, be it a software one), or auto: a real one if it pays off
-    #[arg(long, default_value = "auto")]
-    backend: Wanted,
+    #[command(flatten)]
+    rendering: RenderOptions,
     #[command(flatten)]
     medium: MediumOptions,
     /// Image to write: direct + scattered object light + veil, an EXR of the object's channels or a PNG picture
@@ -52,13 +45,19 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
         atomic::check_writable(path)?;
     }
     let scenes = [scene];
-    let chosen = Chosen::new(arguments.backend, &scenes, [1, 1])?;
+    let chosen = Chosen::new(arguments.rendering.backend, &scenes, [1, 1])?;
     let progress = Progress::uncounted("synthesizing");
-    let made = synthesize(&scenes[0], &media, arguments.model, arguments.filter, chosen.backend())?;
+    let made = synthesize(
+        &scenes[0],
+        &media,
+        arguments.rendering.model,
+        arguments.rendering.filter,
+        chosen.backend(),
+    )?;
     drop(progress);
 
     let mut attributes = provenance();
-    attributes.push(("model".into(), arguments.model.name().into()));
+    attributes.push(("model".into(), arguments.rendering.model.name().into()));
     attributes.push(("backend".into(), chosen.describe()));
     attributes.push(("medium".into(), format!("{media:?}")));
     let total = made.total();
@@ -76,12 +75,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let z = median(scenes[0].geometry.path_lengths());
     for (channel, medium) in total.iter().zip(&media) {
         let validity = medium.sigma_s * z * 4.0 * medium.b;
-        if arguments.model.spreads() && validity > SMALL_ANGLE_LIMIT {
+        if arguments.rendering.model.spreads() && validity > SMALL_ANGLE_LIMIT {
             eprintln!(
                 "warning (outside_validity): tau·4B of channel {} is {validity:.3}, above {SMALL_ANGLE_LIMIT}: {} rests \
                  on small angles, whose transfer function is off by {} there",
                 channel.name,
-                arguments.model,
+                arguments.rendering.model,
                 small_angle_error(validity)
             );
         }

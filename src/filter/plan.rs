@@ -85,6 +85,16 @@ impl<'a> Plan<'a> {
         self.target.relief.map_or(&[], |relief| &relief.screens)
     }
 
+    /// The last of the `passed` screens that the light of a segment must pass.
+    pub(super) fn screen(&self, passed: usize) -> Option<&'a Screen> {
+        passed.checked_sub(1).map(|i| &self.screens()[i])
+    }
+
+    /// Where `screen` stands.
+    pub(super) fn node(&self, screen: &Screen) -> Node {
+        Node { z: screen.z, pitch: self.target.geometry.pixel_pitch(screen.depth) }
+    }
+
     /// How far padding and slices serve the kernels of `optics` too.
     pub(super) fn coverage(&self, optics: &Optics) -> Result<Coverage> {
         let (reach, most) = (reach_px(self.all_slices(), optics)?, most_reach(&self.target));

@@ -1,5 +1,6 @@
 //! What lies between two screens: its slices, and the light that it sends on towards the camera.
 
+use super::Optics;
 use super::bend::bend;
 use super::canvas::{Canvas, Place, Spectrum};
 use super::obliquity::Obliquity;
@@ -7,7 +8,6 @@ use super::plan::Plan;
 use super::slices::{Node, Slices};
 use super::sources::{Sheet, Source};
 use super::transfer::{Frequency, Wave, Way, over, times};
-use super::{Optics, Target};
 use crate::error::Result;
 use crate::medium::Medium;
 use crate::relief::Screen;
@@ -59,16 +59,15 @@ impl Segment {
         passed: usize,
         slices: Option<Slices>,
     ) -> Self {
-        let target = &plan.target;
-        let screen = passed.checked_sub(1).map(|i| &plan.screens()[i]);
+        let screen = plan.screen(passed);
         let mine =
             |of: usize| sheets.iter().filter_map(move |sheet| sheet[of].filter(|s| s.screens == passed));
         let mut segment = Self {
             light: Vec::new(),
             bend: Vec::new(),
-            divergence: target.geometry.pitch_per_depth(),
+            divergence: plan.target.geometry.pitch_per_depth(),
             direct: Vec::new(),
-            screen: screen.map(|screen| Gate::new(target, canvas, screen)),
+            screen: screen.map(|screen| Gate::new(plan, canvas, screen)),
             slices,
         };
         let Some(slices) = &segment.slices else { return segment };
@@ -238,7 +237,7 @@ impl Segment {
 }
 
 impl Gate {
-    fn new(target: &Target, canvas: &Canvas, screen: &Screen) -> Self {
+    fn new(plan: &Plan, canvas: &Canvas, screen: &Screen) -> Self {
         let mut open = [vec![1.0; canvas.pixels()]];
         canvas.rows(&mut open).enumerate().for_each(|(j, mut row)| {
             for place in canvas.row(j).filter(|place| screen.opaque[place.of]) {
@@ -246,7 +245,7 @@ impl Gate {
             }
         });
         let [open] = open;
-        Self { node: Node { z: screen.z, pitch: target.geometry.pixel_pitch(screen.depth) }, open }
+        Self { node: plan.node(screen), open }
     }
 
     /// Takes away what meets the screen.

@@ -100,9 +100,6 @@ impl Gpu {
     /// # Errors
     /// As [`check_size`](Self::check_size).
     pub fn upload<T: Pod>(&self, what: &str, values: &[T]) -> Result<Buffer> {
-        if values.is_empty() {
-            return self.empty::<T>(what, 1);
-        }
         let buffer = self.empty::<T>(what, values.len())?;
         self.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(values));
         Ok(buffer)

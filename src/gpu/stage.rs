@@ -19,7 +19,7 @@ impl Shader {
     }
 }
 
-/// Invocations of one workgroup, in every shader.
+/// Invocations of one workgroup, in every shader but `fft`.
 pub const WORKGROUP: usize = 64;
 
 /// A compiled shader.

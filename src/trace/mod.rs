@@ -8,7 +8,8 @@
 //! A path that leaves through the medium's front surface is lost, and the object's first crossing ends it.
 //!
 //! [`trace_radial`] tallies where a pencil beam crosses planes at many depths; [`trace_image`] makes the image
-//! of a scene with its variance; [`trace_histories`] keeps of every path what its likelihood depends on. All give the same numbers, bit for bit, for any number of threads.
+//! of a scene with its variance; [`trace_histories`] keeps of every path what its likelihood depends on. All give the
+//! same numbers, bit for bit, for any number of threads.
 //! This module uses nothing of the kernels, the filter or the fit, so that agreement with them means something.
 //!
 //! Not modelled: refraction at the surface, light scattered in from the illumination, light between objects.

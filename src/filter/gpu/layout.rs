@@ -99,7 +99,7 @@ pub struct Weigh {
     pub padding: u32,
 }
 
-/// Counterpart of `Split` in shaders/split.wgsl and of `Bend` in shaders/bend.wgsl.
+/// Counterpart of `Store` in shaders/shared/store.wgsl.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 pub struct Store {
@@ -111,7 +111,7 @@ pub struct Store {
     pub columns: u32,
     /// Spectra stored for each column.
     pub planes: u32,
-    /// Where the spectra belong among them; `Bend` reads the first alone.
+    /// Where the spectra belong among them; the stage `bend` reads the first alone, the second may be [`NOTHING`].
     pub places: [u32; 2],
     /// Fills the structure up.
     pub padding: u32,

@@ -232,12 +232,11 @@ impl<'a> GpuFilter<'a> {
                     self.gpu.submit(before)?;
                 }
                 let mut recording = self.gpu.record();
-                let screen = segment.screen.as_ref().map(|s| s.node);
                 let way = Way::new(
                     segment.nodes(),
                     segment.sloping.then_some(self.plan.target.geometry.pitch_per_depth()),
                     carried,
-                    screen,
+                    segment.screen,
                     (optics, obliquity),
                 )?;
                 self.gather(
@@ -257,7 +256,7 @@ impl<'a> GpuFilter<'a> {
                     self.collect(&mut recording, optics, &pairs, before, derivatives);
                 }
                 last = Some(recording);
-                carried = screen;
+                carried = segment.screen;
             }
         }
         Ok(last.unwrap_or_else(|| self.gpu.record()))
@@ -308,12 +307,12 @@ impl<'a> GpuFilter<'a> {
         pairs: &[Buffer; 3],
         derivatives: bool,
     ) {
-        let Some(screen) = &segment.screen else { return };
+        let Some(screen) = segment.screen else { return };
         let parameters = Pass {
             canvas: self.resident.layout,
             segment: segment.passed as u32,
             bit: 1 << (segment.passed - 1),
-            z: screen.node.z as f32,
+            z: screen.z as f32,
             sigma_t: optics.medium.sigma_t() as f32,
             unit: self.plan.farthest() as f32,
             derivatives: u32::from(derivatives),

@@ -21,12 +21,7 @@ pub(super) struct Segment {
     /// Its spectra, cut so that each part can be bound.
     pub parts: Vec<Part>,
     /// What its light must pass.
-    pub screen: Option<Gate>,
-}
-
-/// Where a screen stands.
-pub(super) struct Gate {
-    pub node: Node,
+    pub screen: Option<Node>,
 }
 
 /// Bytes of the largest part: even a slow adapter gathers it in a tenth of a second, well within a watchdog's patience.
@@ -49,15 +44,11 @@ impl Segment {
         passed: usize,
     ) -> Result<Self> {
         let slices = plan.slices[passed].clone();
-        let screen = passed.checked_sub(1).map(|i| {
-            let screen = &plan.screens()[i];
-            Gate { node: Node { z: screen.z, pitch: plan.target.geometry.pixel_pitch(screen.depth) } }
-        });
         let mut mine = sheets.iter().flatten().flatten().filter(|s| s.screens == passed);
         let sloping = mine.any(|s| s.slope != [0.0; 2]);
-        let planes = slices.as_ref().map_or(0, |s| s.nodes.len()) * if sloping { 2 } else { 1 };
-        let parts = Part::all(gpu, canvas, planes)?;
-        let segment = Self { slices, passed, sloping, parts, screen };
+        let screen = plan.screen(passed).map(|screen| plan.node(screen));
+        let mut segment = Self { slices, passed, sloping, parts: Vec::new(), screen };
+        segment.parts = Part::all(gpu, canvas, segment.planes())?;
         segment.fill(gpu, canvas, fft, resident)?;
         Ok(segment)
     }
@@ -113,6 +104,7 @@ impl Segment {
         Ok(())
     }
 
+    /// Spectra of each column.
     fn planes(&self) -> usize {
         self.nodes().len() * if self.sloping { 2 } else { 1 }
     }

@@ -19,9 +19,9 @@ pub const WEIGH: Shader = shader!("weigh", "workgroup", "canvas");
 /// Fourier transforms of lines.
 pub const FFT: Shader = shader!("fft", "workgroup", "complex");
 /// Two spectra out of a common transform.
-pub const SPLIT: Shader = shader!("split", "workgroup", "complex");
+pub const SPLIT: Shader = shader!("split", "workgroup", "complex", "store");
 /// The source of the slope term.
-pub const BEND: Shader = shader!("bend", "workgroup", "complex");
+pub const BEND: Shader = shader!("bend", "workgroup", "complex", "store");
 /// Scattered light on its way to a screen or to the camera.
 pub const GATHER: Shader = shader!("gather", "workgroup", "complex");
 /// Light through a screen.

@@ -1,5 +1,6 @@
 //! Twin of shaders/bend.wgsl.
 
+use super::store::{kept, stored};
 use super::{C, first_of, second_of};
 use narrowbeam::filter::gpu::Store;
 
@@ -12,20 +13,17 @@ fn slope(i: usize, n: usize) -> f32 {
     if 2 * i == n { 0.0 } else { frequency(i, n) }
 }
 
-pub fn bend(bend: &Store, pair: &[C], spectra: &mut [C]) {
-    let [width, height] = bend.size.map(|n| n as usize);
-    for at in 0..bend.columns as usize * height {
-        let column = at / height;
-        let kx = bend.begin as usize + column;
-        let ky = at % height;
-        let z = pair[kx * height + ky];
-        let opposite = pair[((width - kx) % width) * height + (height - ky) % height];
-        let w = [frequency(kx, width), frequency(ky, height)];
+pub fn bend(store: &Store, pair: &[C], spectra: &mut [C]) {
+    let [width, height] = store.size.map(|n| n as usize);
+    for at in 0..store.columns as usize * height {
+        let here = stored(store, pair, at);
+        let w = [frequency(here.kx, width), frequency(here.ky, height)];
         let mut value = C::default();
-        if kx + ky > 0 {
-            let along = slope(kx, width) * first_of(z, opposite) + slope(ky, height) * second_of(z, opposite);
+        if here.kx + here.ky > 0 {
+            let along = slope(here.kx, width) * first_of(here.z, here.opposite)
+                + slope(here.ky, height) * second_of(here.z, here.opposite);
             value = C::new(-along.im, along.re) / (w[0] * w[0] + w[1] * w[1]);
         }
-        spectra[(column * bend.planes as usize + bend.places[0] as usize) * height + ky] = value;
+        spectra[kept(store, &here, store.places[0])] = value;
     }
 }

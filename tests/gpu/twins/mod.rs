@@ -9,6 +9,7 @@ pub mod collect;
 pub mod gather;
 pub mod pass;
 pub mod split;
+pub mod store;
 pub mod sums;
 pub mod total;
 pub mod two_sum;
