@@ -87,6 +87,16 @@ pub enum Error {
         /// The phase function's name.
         phase: &'static str,
     },
+    /// A model whose table was made for another phase function.
+    #[error(
+        "model {model} is made for the gaussian phase function, not for {phase}; use small-angle or single-scatter"
+    )]
+    OnlyGaussian {
+        /// The model's name.
+        model: &'static str,
+        /// The phase function's name.
+        phase: &'static str,
+    },
     /// A name that is none of those known.
     #[error("unknown {what} {name}; known are {known}")]
     UnknownName {

@@ -15,7 +15,8 @@ use std::sync::LazyLock;
 /// Standard errors of a normal number beyond which one of 420 falls with a chance of 1 %: 420 erfc(4.2/√2) = .01.
 const NORMAL: f64 = 4.2;
 
-const MODELS: [&str; 5] = ["single-scatter", "gaussian", "narrow-beam-printed", "narrow-beam", "small-angle"];
+const MODELS: [&str; 6] =
+    ["single-scatter", "gaussian", "narrow-beam-printed", "narrow-beam", "small-angle", "wide-angle"];
 
 /// The folder of a quick run, and what it said.
 static QUICK: LazyLock<(tempfile::TempDir, String)> = LazyLock::new(|| {

@@ -4,17 +4,12 @@ use libm::j1;
 use narrowbeam::compare::worst_encircled_error;
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Gaussian, b_of_spread_angle};
-use narrowbeam::spread::wide_angle::WideAngle;
 use narrowbeam::spread::wide_angle::table::Table;
+use narrowbeam::spread::wide_angle::{TABLE, WideAngle};
 use narrowbeam::spread::{Dual, Model, SpreadKernel};
 use narrowbeam::trace::{
     RadialConfig, RadialProfile, ScaledMedium, log_spaced, trace_histories, trace_radial,
 };
-use std::sync::LazyLock;
-
-/// `narrowbeam table --paths 200000 --seed 1`.
-static TABLE: LazyLock<Table> =
-    LazyLock::new(|| Table::parse(include_bytes!("../tables/wide-angle.table")).unwrap());
 
 /// Media of the comparison.
 const MEDIA: u32 = 40;
@@ -166,19 +161,6 @@ fn the_encircled_energy_is_the_integral_of_a_positive_density() {
         assert!((sum - kernel.encircled_energy(pair[1])).abs() < 1e-5 * kernel.scattered());
     }
     assert!((sum / kernel.scattered() - 1.0).abs() < 1e-5);
-}
-
-#[test]
-fn outside_the_table_the_range_is_named() {
-    let refusal = |tau: f64, absorption: f64, degrees: f64| {
-        let (medium, phase) = (Medium::new(tau, absorption).unwrap(), lobe(degrees));
-        WideAngle::new(&TABLE, &medium, &phase, 1.0).err().map(|e| e.to_string()).unwrap_or_default()
-    };
-    assert!(refusal(13.0, 0.0, 10.0).contains("between .05 and 12"));
-    assert!(refusal(1.0, 11.0, 10.0).contains("between 0 and 10"));
-    assert!(refusal(1.0, 0.0, 61.0).contains("between 2 and 60"));
-    assert_eq!(refusal(12.0, 10.0, 60.0), "");
-    assert_eq!(refusal(0.05, 0.0, 2.0), "");
 }
 
 #[test]

@@ -8,7 +8,7 @@ mod tables;
 use super::options::{non_negative, parse_model, positive};
 use super::progress::Progress;
 use super::say;
-use crate::error::{Result, in_range};
+use crate::error::{Error, Result, in_range};
 use crate::io::atomic;
 use crate::medium::Medium;
 use crate::phase::{Gaussian, b_of_spread_angle};
@@ -86,12 +86,14 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         (1e-9..1e9).contains(&width),
         "between 1e-9 and 1e9 (length)",
     )?;
-    let chosen = if arguments.models.is_empty() { Model::ALL.to_vec() } else { arguments.models.clone() };
-    let models: Vec<Model> = Model::ALL.into_iter().filter(|m| chosen.contains(m)).collect();
-    let kernels = models
-        .iter()
-        .map(|m| Ok((*m, m.kernel(&setting.medium, &setting.phase, setting.z)?)))
-        .collect::<Result<Vec<_>>>()?;
+    let any = arguments.models.is_empty();
+    let mut kernels = Vec::new();
+    for model in Model::ALL.into_iter().filter(|m| any || arguments.models.contains(m)) {
+        match model.kernel(&setting.medium, &setting.phase, setting.z) {
+            Err(end @ Error::OutOfRange { .. }) if any => eprintln!("{model} is left out: {end}"),
+            kernel => kernels.push((model, kernel?)),
+        }
+    }
     let grid = Grid::new(&setting);
     let mut curves = kernels
         .iter()

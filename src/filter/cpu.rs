@@ -72,7 +72,8 @@ impl<'a> CpuFilter<'a> {
         self.plan.slice_count()
     }
 
-    /// Number of real 2-D FFTs that one render takes, without and with the derivatives, and their size.
+    /// Number of real 2-D FFTs that one render by a model of small angles takes, without and with the derivatives, and
+    /// their size.
     pub fn transforms(&self) -> (usize, usize, [usize; 2]) {
         let images = (2 * self.segments.len() - 1) * self.plan.obliquities.count();
         let with_derivatives = if self.plan.single_depth().is_some() { 3 * images } else { 4 * images };
@@ -130,7 +131,8 @@ impl<'a> CpuFilter<'a> {
 
     /// The same on the canvas without the direct light of the first segment, for rays of one obliquity.
     fn scattered(&self, optics: &Optics, obliquity: Obliquity, count: usize) -> Result<Vec<Vec<f32>>> {
-        let single_depth = self.plan.single_depth();
+        // Light of small angles travels z, whatever is absorbed: d/d sigma_a is -z times the image.
+        let single_depth = self.plan.single_depth().filter(|_| optics.model.rests_on_small_angles());
         let components: Vec<usize> = (0..count).filter(|&c| c != 2 || single_depth.is_none()).collect();
         let mut carried = None;
         for segment in self.segments.iter().rev() {

@@ -22,7 +22,7 @@ pub mod scenes;
 
 pub use datum::{Datum, VeilTerm};
 pub use exposure::Exposure;
-pub use parameters::{Bounds, NAMES, Parameters};
+pub use parameters::{Bounds, NAMES, Parameters, PathLengths};
 
 pub use solver::Method;
 pub use uncertainty::{Status, Uncertainty};
@@ -166,8 +166,9 @@ fn fit_from<'a>(
     (width, mut sums): (Option<f64>, Option<&[Sums]>),
 ) -> Result<ChannelFit> {
     let scenes: Vec<&Geometry> = data.iter().map(|d| d.target.geometry).collect();
-    let median_z = median_path_length(&scenes);
-    let mut parameters = Parameters::new(options, settings.model, median_z)?;
+    let lengths = path_lengths(&scenes);
+    let median_z = lengths.median;
+    let mut parameters = Parameters::new(options, settings.model, lengths)?;
     let (mut evaluations, mut sum_evaluations) = (0, 0);
     let mut start = None;
     if let Some(all) = sums {
@@ -366,8 +367,8 @@ fn hidden_shares<'a>(
     })
 }
 
-/// Median over the pixels of all scenes; a flat scene counts as many times as it has pixels.
-fn median_path_length(scenes: &[&Geometry]) -> f64 {
+/// Over the pixels of all scenes; a flat scene counts as many times as it has pixels.
+fn path_lengths(scenes: &[&Geometry]) -> PathLengths {
     let mut weighted: Vec<(f64, usize)> = Vec::new();
     for geometry in scenes {
         let lengths = geometry.path_lengths();
@@ -381,5 +382,6 @@ fn median_path_length(scenes: &[&Geometry]) -> f64 {
         passed += weight;
         passed > half
     };
-    weighted.iter().find(reached).expect("checked: every scene shows an object").0
+    let median = weighted.iter().find(reached).expect("checked: every scene shows an object").0;
+    PathLengths { median, longest: weighted[weighted.len() - 1].0 }
 }

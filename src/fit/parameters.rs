@@ -26,6 +26,15 @@ pub struct Parameters {
     bounds: [Bounds; 3],
 }
 
+/// Path lengths of all pixels of all scenes, length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PathLengths {
+    /// Their median.
+    pub median: f64,
+    /// The longest.
+    pub longest: f64,
+}
+
 /// Default bounds in units of the median path length z: sigma_s z, sigma_a z; and B in rad² (a spread angle of 60°).
 const DEFAULT_BOUNDS: [Bounds; 3] = [[1e-4, 60.0], [0.0, 30.0], [1e-8, 0.274]];
 
@@ -33,22 +42,35 @@ impl Parameters {
     /// Parameters as the user asks for them, values not yet chosen where neither fixed nor started.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] where a fixed or starting value lies outside its range, [`Error::NothingToFit`] if all
-    /// are fixed.
-    pub fn new(options: &FitOptions, model: Model, median_z: f64) -> Result<Self> {
+    /// [`Error::OutOfRange`] where a fixed or starting value lies outside its range, or a bound beyond what `model` has
+    /// kernels for; [`Error::NothingToFit`] if all are fixed.
+    pub fn new(options: &FitOptions, model: Model, lengths: PathLengths) -> Result<Self> {
+        let mut largest = model.largest();
+        largest[..2].iter_mut().for_each(|v| *v /= lengths.longest);
         let mut values = [0.0; 3];
         let mut fixed = [false; 3];
         let mut bounds = DEFAULT_BOUNDS;
         for i in 0..3 {
             if i < 2 {
-                bounds[i] = bounds[i].map(|v| v / median_z);
+                bounds[i] = bounds[i].map(|v| v / lengths.median);
             }
+            bounds[i][1] = bounds[i][1].min(largest[i]);
             // The default bounds give way to a start that the user wants.
             let [low, high] = bounds[i];
             let start = options.start[i].filter(|s| s.is_finite()).unwrap_or(low);
             bounds[i] = options.bounds[i].unwrap_or([low.min(start), high.max(start)]);
             let [low, high] = bounds[i];
+            let beyond = "what model wide-angle has kernels for: at the longest path, sigma_s z up to 12, sigma_a z up to 10; \
+                          a spread angle up to 60 degrees";
+            let name = format!("[fit] bounds or start of {}", NAMES[i]);
+            in_range(&name, high, high <= largest[i], beyond)?;
             if let Some(value) = options.fixed[i] {
+                in_range(
+                    &format!("[fit] fixed.{}", NAMES[i]),
+                    value,
+                    value <= largest[i] || !value.is_finite(),
+                    beyond,
+                )?;
                 let ok = value.is_finite() && if i == 2 { value > 0.0 } else { value >= 0.0 };
                 let allowed = if i == 2 { "finite and above 0" } else { "finite and at least 0" };
                 values[i] = in_range(&format!("[fit] fixed.{}", NAMES[i]), value, ok, allowed)?;

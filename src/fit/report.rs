@@ -282,7 +282,7 @@ fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warning> {
     }
     let [sigma_s, _, b] = fit.parameters.values();
     let validity = sigma_s * fit.median_z * 4.0 * b;
-    if model.spreads() && validity > SMALL_ANGLE_LIMIT {
+    if model.rests_on_small_angles() && validity > SMALL_ANGLE_LIMIT {
         warn(
             "outside_validity",
             format!(

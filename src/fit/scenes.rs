@@ -1,7 +1,7 @@
 //! Fitting scene files: one fit a channel, over all scenes.
 
 use super::report::FitReport;
-use super::{ChannelFit, Datum, Parameters, Settings, VeilTerm, fit_channel, median_path_length};
+use super::{ChannelFit, Datum, Parameters, Settings, VeilTerm, fit_channel, path_lengths};
 use crate::error::{Error, Result};
 use crate::filter::{Filter, Target};
 use crate::geometry::Geometry;
@@ -76,9 +76,9 @@ pub fn check_scenes(scenes: &[Scene], settings: &Settings) -> Result<()> {
         return Err(Error::Scene { path: scene.path.clone(), message: wrong });
     }
     let depths: Vec<&Geometry> = scenes.iter().map(|s| &s.geometry).collect();
-    let median_z = median_path_length(&depths);
+    let lengths = path_lengths(&depths);
     for options in &first.fit {
-        Parameters::new(options, settings.model, median_z)?;
+        Parameters::new(options, settings.model, lengths)?;
     }
     Ok(())
 }

@@ -84,6 +84,10 @@ impl PhaseFunction for Gaussian {
         "gaussian"
     }
 
+    fn as_gaussian(&self) -> Option<&Gaussian> {
+        Some(self)
+    }
+
     fn eval(&self, cos_theta: f64) -> f64 {
         let theta = cos_theta.clamp(-1.0, 1.0).acos();
         self.peak * (-theta * theta / (4.0 * self.b)).exp()

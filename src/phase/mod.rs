@@ -19,6 +19,11 @@ pub trait PhaseFunction: Send + Sync + std::fmt::Debug {
     /// The name used in messages.
     fn name(&self) -> &'static str;
 
+    /// This lobe, if it is a Gaussian: for what was made for no other.
+    fn as_gaussian(&self) -> Option<&Gaussian> {
+        None
+    }
+
     /// p(cos theta), with (1/4pi) ∫ p dOmega = 1.
     fn eval(&self, cos_theta: f64) -> f64;
 

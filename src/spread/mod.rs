@@ -14,6 +14,7 @@
 //! | `narrow-beam-printed` | phi F(k beta/2), R of eq. 21 | Shinya et al., eq. 20, 21, 26, 28, G = erfc/2 | as published; B comes out low |
 //! | `narrow-beam` | phi F(k beta/2), R exact | the same kernel, exact moments | tau ≲ 2, small angles |
 //! | `small-angle` | T (exp(tau F(kz)) - 1) | Wells 1969; Ishimaru 1978, ch. 13 | tau·4B ≤ .05 to 1 % of M |
+//! | `wide-angle` | a mixture of Gaussians from a table | [`wide_angle`] | tau ≤ 12, sigma_a z ≤ 10, spread angle ≤ 60° |
 //!
 //! F is the mean planar transform of the phase function ([`crate::phase`]); in the moment-matched kernels it is
 //! that of a Gaussian lobe, whatever the phase function, and beta² = 3 R / phi.
@@ -28,10 +29,12 @@ pub mod wide_angle;
 
 use crate::error::{Error, Result, in_range};
 use crate::medium::Medium;
-use crate::phase::PhaseFunction;
+use crate::phase::{PhaseFunction, b_of_spread_angle};
 use moment_matched::{MomentMatched, Moments, Profile};
 use std::fmt;
 use std::str::FromStr;
+use wide_angle::WideAngle;
+use wide_angle::table::{ABSORPTION, SPREAD_ANGLE_DEG, TAU};
 
 pub use dual::Dual;
 
@@ -124,6 +127,8 @@ pub enum Model {
     NarrowBeam,
     /// The exact small-angle transfer function.
     SmallAngle,
+    /// Right at every angle, from a table made by tracing.
+    WideAngle,
 }
 
 /// Largest tau·4B at which small-angle theory holds to 1 % of the transfer function: max|dM| ≈ .19 tau·4B,
@@ -138,13 +143,14 @@ pub fn small_angle_error(validity: f64) -> String {
 
 impl Model {
     /// All models, cheapest first.
-    pub const ALL: [Model; 6] = [
+    pub const ALL: [Model; 7] = [
         Model::BeerLambert,
         Model::SingleScatter,
         Model::Gaussian,
         Model::NarrowBeamPrinted,
         Model::NarrowBeam,
         Model::SmallAngle,
+        Model::WideAngle,
     ];
 
     /// Name on the command line and in reports.
@@ -156,6 +162,7 @@ impl Model {
             Model::NarrowBeamPrinted => "narrow-beam-printed",
             Model::NarrowBeam => "narrow-beam",
             Model::SmallAngle => "small-angle",
+            Model::WideAngle => "wide-angle",
         }
     }
 
@@ -164,11 +171,28 @@ impl Model {
         self != Model::BeerLambert
     }
 
+    /// Whether the kernel rests on small angles, and so ends where tau·4B is large.
+    pub fn rests_on_small_angles(self) -> bool {
+        self.spreads() && self != Model::WideAngle
+    }
+
+    /// The largest sigma_s z, sigma_a z and B (rad²) that there is a kernel for.
+    pub fn largest(self) -> [f64; 3] {
+        match self {
+            Model::WideAngle => {
+                let (tau, absorption, degrees) = (TAU.1, ABSORPTION.1, SPREAD_ANGLE_DEG.1);
+                [tau, absorption, b_of_spread_angle(degrees.to_radians())]
+            }
+            _ => [f64::INFINITY; 3],
+        }
+    }
+
     /// The kernel of this model for `medium` and `phase` after the path length `z` (length).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] unless `z` is finite and above 0; [`Error::NoSecondMoment`] if the model matches
-    /// moments and the phase function has none.
+    /// [`Error::OutOfRange`] unless `z` is finite and above 0, and beyond what the model is [made for](Model::largest);
+    /// [`Error::NoSecondMoment`] if the model matches moments and the phase function has none; [`Error::OnlyGaussian`] if
+    /// it was tabulated for another.
     pub fn kernel<'a>(
         self,
         medium: &Medium,
@@ -189,6 +213,11 @@ impl Model {
             Model::NarrowBeamPrinted => matched(Profile::Erfc, Moments::Printed),
             Model::NarrowBeam => matched(Profile::Erfc, Moments::Exact),
             Model::SmallAngle => Ok(Box::new(small_angle::SmallAngle::new(*medium, phase, z))),
+            Model::WideAngle => {
+                let other = || Error::OnlyGaussian { model: self.name(), phase: phase.name() };
+                let phase = phase.as_gaussian().ok_or_else(other)?;
+                Ok(Box::new(WideAngle::new(&wide_angle::TABLE, medium, phase, z)?))
+            }
         }
     }
 }
@@ -202,19 +231,13 @@ impl fmt::Display for Model {
 impl FromStr for Model {
     type Err = Error;
 
-    /// Parses a model's name. `wide-angle` is known but [not built yet](Error::NotBuilt).
     fn from_str(name: &str) -> Result<Self> {
-        if let Some(model) = Model::ALL.into_iter().find(|m| m.name() == name) {
-            return Ok(model);
-        }
-        match name {
-            "wide-angle" => Err(Error::NotBuilt(format!("model {name}"))),
-            _ => Err(Error::UnknownName {
-                what: "model",
-                name: name.to_string(),
-                known: Model::ALL.map(Model::name).join(", "),
-            }),
-        }
+        let unknown = || Error::UnknownName {
+            what: "model",
+            name: name.to_string(),
+            known: Model::ALL.map(Model::name).join(", "),
+        };
+        Model::ALL.into_iter().find(|m| m.name() == name).ok_or_else(unknown)
     }
 }
 

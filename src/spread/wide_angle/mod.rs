@@ -24,8 +24,8 @@
 //!   the layer, some -.4. So the error falls geometrically with the number of nodes, and all derivatives are
 //!   continuous.
 //!
-//! The range is tau .05 to 12, sigma_a z 0 to 10 and D 2 to 60 degrees. The table in `tables/` was made by `narrowbeam table
-//! --paths 200000 --seed 1 --out tables/wide-angle.table`, as its first line says too.
+//! The range is tau 0 to 12, sigma_a z 0 to 10 and D 0 to 60 degrees. The table in `tables/` was made by `narrowbeam table
+//! --paths 800000 --seed 1 --out tables/wide-angle.table`, as its first line says too.
 
 pub mod table;
 
@@ -34,7 +34,14 @@ use crate::error::Result;
 use crate::medium::Medium;
 use crate::phase::{Gaussian, PhaseFunction};
 use std::f64::consts::PI;
+use std::sync::LazyLock;
 use table::{RUNGS, Table};
+
+/// The table that comes with the program.
+pub static TABLE: LazyLock<Table> = LazyLock::new(|| {
+    let bytes = include_bytes!("../../../tables/wide-angle.table");
+    Table::parse(bytes).expect("the embedded table is whole: a test reads it")
+});
 
 /// The tabulated kernel of one medium and path length.
 pub struct WideAngle<'a> {

@@ -17,14 +17,15 @@ const RATIO: f64 = 1.6;
 /// Numbers of a node: two logarithms, and the roots of the shares of light and slope.
 pub const NUMBERS: usize = 2 + 2 * RUNGS;
 
-/// tau at the ends of the table.
-pub const TAU: (f64, f64) = (0.05, 12.0);
+/// tau at the ends of the table; below, where all light is scattered once, the shape no longer changes.
+pub const TAU: (f64, f64) = (1e-6, 12.0);
 /// sigma_a z at the ends of the table.
 pub const ABSORPTION: (f64, f64) = (0.0, 10.0);
-/// Spread angles at the ends of the table, degrees.
-pub const SPREAD_ANGLE_DEG: (f64, f64) = (2.0, 60.0);
+/// Spread angles at the ends of the table, degrees; below, where angles are small, the shape no longer changes in units
+/// of z sqrt(B).
+pub const SPREAD_ANGLE_DEG: (f64, f64) = (0.5, 60.0);
 /// Nodes of tau, sigma_a z and the spread angle.
-const COUNTS: [usize; 3] = [10, 8, 11];
+const COUNTS: [usize; 3] = [11, 8, 11];
 
 /// First words of a table's line.
 const KIND: &str = "narrowbeam wide-angle table 1;";
@@ -133,18 +134,32 @@ impl Table {
     /// # Errors
     /// [`Error::OutOfRange`] outside the table.
     pub(super) fn at(&self, tau: f64, absorption: f64, spread_angle: f64) -> Result<Interpolated> {
-        let within = |v: f64, (low, high): (f64, f64)| v >= low * (1.0 - 1e-12) && v <= high * (1.0 + 1e-12);
+        let within = |v: f64, high: f64| v >= 0.0 && v <= high * (1.0 + 1e-12);
         let degrees = spread_angle.to_degrees();
-        let sigma_s_z = "between .05 and 12 for model wide-angle";
-        in_range("sigma_s z", tau, within(tau, TAU), sigma_s_z)?;
-        let sigma_a_z = "between 0 and 10 for model wide-angle";
-        in_range("sigma_a z", absorption, within(absorption, ABSORPTION), sigma_a_z)?;
-        let angle = "between 2 and 60 degrees for model wide-angle";
-        in_range("spread angle", degrees, within(degrees, SPREAD_ANGLE_DEG), angle)?;
+        let up_to =
+            |what: &str, end: f64, value: f64, allowed| in_range(what, value, within(value, end), allowed);
+        up_to(
+            "sigma_s z",
+            TAU.1,
+            tau,
+            "between 0 and 12, where the table of model wide-angle ends (narrowbeam trace has no end)",
+        )?;
+        up_to(
+            "sigma_a z",
+            ABSORPTION.1,
+            absorption,
+            "between 0 and 10, where the table of model wide-angle ends (narrowbeam trace has no end)",
+        )?;
+        let angle =
+            "at most 60 degrees, where the table of model wide-angle ends (narrowbeam trace has no end)";
+        up_to("spread angle", SPREAD_ANGLE_DEG.1, degrees, angle)?;
 
         // Coordinates, and their derivatives in tau, sigma_a z and the spread angle.
-        let x = [tau.sqrt(), (2.0 * absorption).ln_1p(), spread_angle];
-        let dx = [0.5 / tau.sqrt(), 2.0 / (1.0 + 2.0 * absorption), 1.0];
+        let narrowest = SPREAD_ANGLE_DEG.0.to_radians();
+        let x = [tau.max(TAU.0).sqrt(), (2.0 * absorption).ln_1p(), spread_angle.max(narrowest)];
+        let in_tau = if tau > TAU.0 { 0.5 / tau.sqrt() } else { 0.0 };
+        let in_angle = if spread_angle > narrowest { 1.0 } else { 0.0 };
+        let dx = [in_tau, 2.0 / (1.0 + 2.0 * absorption), in_angle];
         let basis: [Vec<f64>; 3] = std::array::from_fn(|i| self.axes[i].basis(x[i]));
         let slope: [Vec<f64>; 3] =
             std::array::from_fn(|i| self.axes[i].basis_slope(x[i]).into_iter().map(|s| s * dx[i]).collect());
