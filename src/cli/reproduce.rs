@@ -4,10 +4,11 @@ mod errors;
 mod figure_4;
 mod figure_5;
 mod figure_6;
+mod figure_8;
 
 use super::progress::Progress;
 use super::say;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::io::atomic;
 use crate::paper::{self, Effort, Experiment, Rings};
 use clap::ValueEnum;
@@ -23,7 +24,7 @@ pub(super) struct Arguments {
     /// Directory to write the figures to, as PNG and SVG, and their numbers as CSV; made if need be
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Trace a fiftieth of the photons, coarser maps: a check in seconds
+    /// Trace a fiftieth of the photons, coarser maps and pictures: a check in seconds
     #[arg(long)]
     quick: bool,
 }
@@ -37,60 +38,74 @@ enum Figure {
     Fig5,
     /// Profiles of 2πrΨ at a low and a high albedo
     Fig6,
-    /// Images (not built yet)
+    /// Image synthesis: inputs, parts and outcome
     Fig8,
-    /// All that are built
+    /// All of them
     All,
 }
 
 /// How a figure comes about.
 struct Recipe {
     files: &'static [&'static str],
-    experiments: fn(Effort) -> Vec<Experiment>,
-    /// Writes the files and returns what is to be said.
-    write: fn(&Path, &[Rings]) -> Result<String>,
+    /// Writes the files into a directory and returns what is to be said.
+    make: fn(&Path, Effort) -> Result<String>,
 }
 
-const FIGURE_4: Recipe =
-    Recipe { files: &figure_4::FILES, experiments: paper::figure_4::experiments, write: figure_4::write };
-const FIGURE_5: Recipe =
-    Recipe { files: &figure_5::FILES, experiments: paper::figure_5::experiments, write: figure_5::write };
-const FIGURE_6: Recipe =
-    Recipe { files: &figure_6::FILES, experiments: paper::figure_6::experiments, write: figure_6::write };
+const FIGURE_4: Recipe = Recipe {
+    files: &figure_4::FILES,
+    make: |dir, effort| traced(&figure_4::FILES, &paper::figure_4::experiments(effort), dir, figure_4::write),
+};
+const FIGURE_5: Recipe = Recipe {
+    files: &figure_5::FILES,
+    make: |dir, effort| traced(&figure_5::FILES, &paper::figure_5::experiments(effort), dir, figure_5::write),
+};
+const FIGURE_6: Recipe = Recipe {
+    files: &figure_6::FILES,
+    make: |dir, effort| traced(&figure_6::FILES, &paper::figure_6::experiments(effort), dir, figure_6::write),
+};
+const FIGURE_8: Recipe = Recipe { files: &figure_8::FILES, make: figure_8::make };
 
 impl Figure {
-    fn recipes(self) -> Result<Vec<Recipe>> {
+    fn recipes(self) -> Vec<Recipe> {
         match self {
-            Figure::Fig4 => Ok(vec![FIGURE_4]),
-            Figure::Fig5 => Ok(vec![FIGURE_5]),
-            Figure::Fig6 => Ok(vec![FIGURE_6]),
-            Figure::Fig8 => Err(Error::NotBuilt("fig8".into())),
-            Figure::All => Ok(vec![FIGURE_4, FIGURE_5, FIGURE_6]),
+            Figure::Fig4 => vec![FIGURE_4],
+            Figure::Fig5 => vec![FIGURE_5],
+            Figure::Fig6 => vec![FIGURE_6],
+            Figure::Fig8 => vec![FIGURE_8],
+            Figure::All => vec![FIGURE_4, FIGURE_5, FIGURE_6, FIGURE_8],
         }
     }
 }
 
+/// A figure of traced experiments: runs them and writes what comes of them.
+fn traced(
+    files: &[&str],
+    experiments: &[Experiment],
+    dir: &Path,
+    write: fn(&Path, &[Rings]) -> Result<String>,
+) -> Result<String> {
+    let start = Instant::now();
+    let paths = experiments.iter().map(|e| e.paths).sum();
+    let progress = Progress::new(files[0], "photons", paths);
+    let mut rings = Vec::new();
+    for experiment in experiments {
+        rings.extend(experiment.run(&|done| progress.add(done))?);
+    }
+    drop(progress);
+    let text = write(dir, &rings)?;
+    let seconds = start.elapsed().as_secs_f64();
+    Ok(format!("{text}{}: {paths} photons, {seconds:.1} s\n\n", files.join(", ")))
+}
+
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
-    let recipes = arguments.figure.recipes()?;
+    let recipes = arguments.figure.recipes();
     let effort = if arguments.quick { Effort::Quick } else { Effort::Full };
     atomic::create_dir(&arguments.out)?;
     for file in recipes.iter().flat_map(|recipe| recipe.files) {
         atomic::check_writable(&arguments.out.join(file))?;
     }
     for recipe in recipes {
-        let start = Instant::now();
-        let experiments = (recipe.experiments)(effort);
-        let paths = experiments.iter().map(|e| e.paths).sum();
-        let progress = Progress::new(recipe.files[0], "photons", paths);
-        let mut rings = Vec::new();
-        for experiment in &experiments {
-            rings.extend(experiment.run(&|done| progress.add(done))?);
-        }
-        drop(progress);
-        let text = (recipe.write)(&arguments.out, &rings)?;
-        let files = recipe.files.join(", ");
-        let seconds = start.elapsed().as_secs_f64();
-        say(&format!("{text}{files}: {paths} photons, {seconds:.1} s\n\n"))?;
+        say(&(recipe.make)(&arguments.out, effort)?)?;
     }
     Ok(ExitCode::SUCCESS)
 }

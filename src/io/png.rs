@@ -7,7 +7,7 @@ use super::colour::{Tone, diverging, residual_scale};
 use crate::error::{Error, Result};
 use crate::image::Channel;
 use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder};
+use image::{ExtendedColorType, ImageEncoder, ImageResult};
 use std::io;
 use std::path::Path;
 
@@ -63,10 +63,20 @@ pub(crate) fn mean_of_channels(channels: &[Channel]) -> Channel {
 }
 
 fn write_bytes(path: &Path, bytes: &[u8], size: (usize, usize), colour: ExtendedColorType) -> Result<()> {
-    let mut file = Vec::new();
-    let encoded = PngEncoder::new(&mut file).write_image(bytes, size.0 as u32, size.1 as u32, colour);
-    encoded.map_err(|e| Error::Write { path: path.to_path_buf(), source: io::Error::other(e) })?;
+    let file = encode(bytes, size, colour)
+        .map_err(|e| Error::Write { path: path.to_path_buf(), source: io::Error::other(e) })?;
     atomic::write(path, &file)
+}
+
+/// The PNG file of an RGB buffer.
+pub(crate) fn encode_rgb(rgb: &[u8], size: (usize, usize)) -> ImageResult<Vec<u8>> {
+    encode(rgb, size, ExtendedColorType::Rgb8)
+}
+
+fn encode(bytes: &[u8], size: (usize, usize), colour: ExtendedColorType) -> ImageResult<Vec<u8>> {
+    let mut file = Vec::new();
+    PngEncoder::new(&mut file).write_image(bytes, size.0 as u32, size.1 as u32, colour)?;
+    Ok(file)
 }
 
 #[cfg(test)]

@@ -10,12 +10,14 @@
 //! | [4](figure_4) | spread angle; sigma_s = .95 | maps over (r, z) |
 //! | [5](figure_5) | spread angle 5 to 60 degrees; sigma_s = .95 | relative rms error at z = 1, 2, 3 |
 //! | [6](figure_6) | albedo .7 and .99; 30 degrees | profiles at z = 1, 2, 3 |
+//! | [8](figure_8) | - | no experiment: a picture synthesized from depths and reflectance |
 //!
 //! `narrowbeam reproduce` draws them; docs/paper.md holds the outcome against the paper's claims.
 
 pub mod figure_4;
 pub mod figure_5;
 pub mod figure_6;
+pub mod figure_8;
 mod rings;
 
 pub use rings::{Experiment, Plane, Rings};

@@ -2,6 +2,8 @@
 
 use crate::error::{Error, Result};
 use crate::io::{atomic, png};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use plotters::coord::Shift;
 use plotters::prelude::{
     BitMapBackend, DrawingArea, DrawingBackend, IntoDrawingArea, RGBColor, SVGBackend, WHITE,
@@ -78,10 +80,32 @@ pub(super) fn write_png(
     png::write_rgb(path, &buffer, (size.0 as usize, size.1 as usize))
 }
 
-/// Draws an SVG picture of `size` (width, height) px on white and writes it.
+/// An image in an SVG picture.
+pub(super) struct Inset {
+    /// Top left corner, px.
+    pub corner: (i32, i32),
+    /// Width and height, px.
+    pub size: (usize, usize),
+    pub rgb: Vec<[u8; 3]>,
+}
+
+impl Inset {
+    /// The element that shows it, its pixels as a PNG within.
+    fn element(&self) -> image::ImageResult<String> {
+        let ((x, y), (width, height)) = (self.corner, self.size);
+        let data = STANDARD.encode(png::encode_rgb(self.rgb.as_flattened(), self.size)?);
+        Ok(format!(
+            "<image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" \
+             href=\"data:image/png;base64,{data}\"/>\n"
+        ))
+    }
+}
+
+/// Draws an SVG picture of `size` (width, height) px on white, with `insets` on top, and writes it.
 pub(super) fn write_svg(
     path: &Path,
     size: (u32, u32),
+    insets: &[Inset],
     draw: impl FnOnce(&DrawingArea<SVGBackend, Shift>) -> Drawn,
 ) -> Result<()> {
     let mut string = String::new();
@@ -90,6 +114,11 @@ pub(super) fn write_svg(
         fill(&root).and_then(|()| draw(&root)).and_then(|()| root.present().map_err(|e| e.to_string()));
     drawn.map_err(|e| failed(path, e))?;
     drop(root);
+    let end = string.rfind("</svg>").unwrap_or(string.len());
+    for inset in insets.iter().rev() {
+        let element = inset.element().map_err(|e| failed(path, e.to_string()))?;
+        string.insert_str(end, &element);
+    }
     atomic::write(path, string.as_bytes())
 }
 

@@ -34,7 +34,7 @@ impl ChartGrid {
     /// # Errors
     /// [`Error::Write`](crate::Error::Write) with the path.
     pub fn write_svg(&self, path: &Path) -> Result<()> {
-        write_svg(path, self.size(), |root| self.draw(root))
+        write_svg(path, self.size(), &[], |root| self.draw(root))
     }
 
     fn columns(&self) -> usize {

@@ -157,7 +157,7 @@ impl LineChart {
     /// # Errors
     /// [`Error::Write`](crate::Error::Write) with the path.
     pub fn write_svg(&self, path: &Path) -> Result<()> {
-        write_svg(path, SIZE, |root| self.draw(root))
+        write_svg(path, SIZE, &[], |root| self.draw(root))
     }
 
     fn draw<DB: DrawingBackend>(&self, root: &DrawingArea<DB, Shift>) -> Drawn {

@@ -81,7 +81,7 @@ impl MapGrid {
     /// # Errors
     /// [`Error::Write`](crate::Error::Write) with the path.
     pub fn write_svg(&self, path: &Path) -> Result<()> {
-        write_svg(path, self.size(), |root| self.draw(root))
+        write_svg(path, self.size(), &[], |root| self.draw(root))
     }
 
     fn size(&self) -> (u32, u32) {

@@ -1,6 +1,6 @@
 //! Images side by side, each with its title and colour bar, and a table of numbers below.
 
-use super::canvas::{Drawn, INK, bitmap, text, text_width, write_png};
+use super::canvas::{Drawn, INK, Inset, bitmap, text, text_width, write_png, write_svg};
 pub use super::colour_bar::Shade;
 use crate::error::Result;
 use crate::image::{Channel, Image};
@@ -60,6 +60,19 @@ impl Figure {
             buffer
         });
         write_png(path, size, buffer)
+    }
+
+    /// Writes it as an SVG file that holds the images as PNG.
+    ///
+    /// # Errors
+    /// [`Error::Write`](crate::Error::Write) with the path.
+    pub fn write_svg(&self, path: &Path) -> Result<()> {
+        let inset = |(i, panel): (usize, &Panel)| {
+            let (size, rgb) = pixels(panel);
+            Inset { corner: self.corner(i), size, rgb }
+        };
+        let insets: Vec<Inset> = self.panels.iter().enumerate().map(inset).collect();
+        write_svg(path, self.size(), &insets, |root| self.draw(root))
     }
 
     fn cell(&self) -> (i32, i32) {
@@ -143,13 +156,17 @@ fn fitted(image: &Image) -> (usize, usize) {
     ((image.width * IMAGE_PX / longer).max(1), (image.height * IMAGE_PX / longer).max(1))
 }
 
-/// Copies the panel's image into the buffer: small images with their pixels as squares, large ones averaged over
-/// the pixels that fall together.
+/// The panel's image in colours, and its size on the page (width, height), px: small images with their pixels as squares,
+/// large ones averaged over the pixels that fall together.
+fn pixels(panel: &Panel) -> ((usize, usize), Vec<[u8; 3]>) {
+    let size = fitted(&panel.channels[0].image);
+    let resized: Vec<Channel> = panel.channels.iter().map(|c| resize(c, size)).collect();
+    (size, panel.shade.colours(&resized))
+}
+
+/// Copies the panel's image into the buffer.
 fn paint(buffer: &mut [u8], buffer_width: usize, corner: (i32, i32), panel: &Panel) {
-    let image = &panel.channels[0].image;
-    let (width, height) = fitted(image);
-    let resized: Vec<Channel> = panel.channels.iter().map(|c| resize(c, (width, height))).collect();
-    let colours = panel.shade.colours(&resized);
+    let ((width, _), colours) = pixels(panel);
     for (y, row) in colours.chunks_exact(width).enumerate() {
         let start = 3 * ((corner.1 as usize + y) * buffer_width + corner.0 as usize);
         buffer[start..start + 3 * width].copy_from_slice(row.as_flattened());
