@@ -1,15 +1,17 @@
 //! `narrowbeam fit`: from observed scenes to a medium.
 
 use super::backend::Chosen;
-use super::options::{RenderOptions, provenance};
+use super::options::{RenderOptions, WantedModel, positive, provenance};
 use super::progress::Progress;
 use super::{UNDETERMINED, say};
+use crate::fit::ladder::climb;
 use crate::fit::scenes::{SceneFit, check_scenes, fit_scenes};
 use crate::fit::{Method, Settings};
 use crate::io::colour::{Tone, residual_scale};
 use crate::io::{atomic, exr, png};
 use crate::plots::{Figure, Panel, Shade};
 use crate::scene::{Purpose, Scene};
+use crate::spread::Model;
 use anyhow::Result;
 use rayon::prelude::*;
 use std::path::PathBuf;
@@ -22,6 +24,9 @@ pub(super) struct Arguments {
     scenes: Vec<PathBuf>,
     #[command(flatten)]
     rendering: RenderOptions,
+    /// Relative error of a parameter up to which --model auto is content with a cheaper model
+    #[arg(long, default_value_t = 0.01, value_name = "X", value_parser = positive)]
+    tolerance: f64,
     /// Optimiser: levenberg-marquardt or nelder-mead
     #[arg(long, default_value = "levenberg-marquardt")]
     solver: Method,
@@ -51,7 +56,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let renders = TYPICAL_RENDERS * (scenes.len() * scenes[0].object.len()) as u64;
     let progress = Progress::new("fitting", "renders", renders);
     let settings = Settings {
-        model: arguments.rendering.model,
+        model: match arguments.rendering.model {
+            WantedModel::This(model) => model,
+            // What any input must at least be good for.
+            WantedModel::Auto => Model::SmallAngle,
+        },
         backend: chosen.backend(),
         method: arguments.solver,
         max_iterations: arguments.max_iterations,
@@ -66,7 +75,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
         }
     }
     atomic::check_writable(&arguments.out.join("fit.json"))?;
-    let mut fit = fit_scenes(&scenes, &settings, arguments.rendering.filter)?;
+    let filter = arguments.rendering.filter;
+    let mut fit = match arguments.rendering.model {
+        WantedModel::This(_) => fit_scenes(&scenes, &settings, filter)?,
+        WantedModel::Auto => climb(&scenes, &settings, filter, arguments.tolerance)?,
+    };
     drop(progress);
     fit.report.backend["reason"] = chosen.reason.clone().into();
     fit.report.command = provenance().into_iter().find(|(key, _)| key == "command").map(|(_, value)| value);
@@ -87,6 +100,7 @@ fn tell(arguments: &Arguments, fit: &SceneFit, chosen: &Chosen) -> Result<()> {
         text += &format!("{}\n", cells.join("   ").trim_end());
     }
     text += &format!("{}\n", how_it_went(arguments, fit, chosen));
+    report.ladder.iter().for_each(|rung| text += &format!("{}\n", rung.line()));
     if arguments.json {
         eprint!("{text}");
         say(&format!("{}\n", serde_json::to_string_pretty(report)?))?;

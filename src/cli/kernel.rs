@@ -5,7 +5,7 @@ mod curves;
 mod summary;
 mod tables;
 
-use super::options::{non_negative, parse_model, positive};
+use super::options::{non_negative, positive};
 use super::progress::Progress;
 use super::say;
 use crate::error::{Error, Result, in_range};
@@ -32,7 +32,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "Z", allow_negative_numbers = true, value_parser = positive)]
     depth: f64,
     /// Model to tabulate, may be given several times; all if absent
-    #[arg(long = "model", value_name = "NAME", value_parser = parse_model)]
+    #[arg(long = "model", value_name = "NAME")]
     models: Vec<Model>,
     /// Photons to trace for comparison
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]

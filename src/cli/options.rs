@@ -1,12 +1,15 @@
 //! Options that several commands share.
 
 use super::backend::Wanted;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::filter::Filter;
+use crate::fit::PathLengths;
 use crate::phase::b_of_spread_angle;
-use crate::spread::Model;
+use crate::scene::MediumValues;
+use crate::spread::{Model, SMALL_ANGLE_LIMIT};
 use clap::Args;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 /// The medium on the command line, in place of the scene's `[medium]`.
 #[derive(Debug, Args)]
@@ -36,9 +39,10 @@ impl MediumOptions {
 /// How a scene is rendered.
 #[derive(Debug, Args)]
 pub(super) struct RenderOptions {
-    /// Spread model: beer-lambert, single-scatter, gaussian, narrow-beam-printed, narrow-beam, small-angle or auto
-    #[arg(long, default_value = "auto", value_parser = parse_model)]
-    pub model: Model,
+    /// Spread model: beer-lambert, single-scatter, gaussian, narrow-beam-printed, narrow-beam, small-angle, wide-angle, or
+    /// auto: no more than the scene needs
+    #[arg(long, default_value = "auto")]
+    pub model: WantedModel,
     /// Filter for depth maps: eq29, composite, or auto: composite where the depth map has edges or slopes
     #[arg(long, default_value = "auto")]
     pub filter: Filter,
@@ -62,9 +66,35 @@ fn number(text: &str, ok: impl Fn(f64) -> bool, allowed: &str) -> std::result::R
     if value.is_finite() && ok(value) { Ok(value) } else { Err(allowed.into()) }
 }
 
-/// A model's name; `auto` is `small-angle`.
-pub(super) fn parse_model(name: &str) -> Result<Model> {
-    if name == "auto" { Ok(Model::SmallAngle) } else { name.parse() }
+/// A model, or the program's choice.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum WantedModel {
+    Auto,
+    This(Model),
+}
+
+impl FromStr for WantedModel {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self> {
+        if name == "auto" { Ok(WantedModel::Auto) } else { name.parse().map(WantedModel::This) }
+    }
+}
+
+impl WantedModel {
+    /// The model to render `media` with over path lengths of median and longest `z`: of itself `small-angle`, or
+    /// `wide-angle` where that leaves its range and the other has kernels.
+    pub(super) fn for_media(self, media: &[MediumValues], z: PathLengths) -> Model {
+        if let WantedModel::This(model) = self {
+            return model;
+        }
+        let [tau, absorption, b] = Model::WideAngle.largest();
+        let wide = media.iter().any(|m| m.sigma_s * z.median * 4.0 * m.b > SMALL_ANGLE_LIMIT);
+        let within = |m: &MediumValues| {
+            m.sigma_s * z.longest <= tau && m.sigma_a * z.longest <= absorption && m.b <= b
+        };
+        if wide && media.iter().all(within) { Model::WideAngle } else { Model::SmallAngle }
+    }
 }
 
 /// A path to an EXR image or a PNG picture.

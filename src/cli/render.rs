@@ -5,6 +5,7 @@ use super::options::{MediumOptions, RenderOptions, exr_or_png, has_extension, pr
 use super::progress::Progress;
 use crate::error::Error;
 use crate::filter::{CUT, Filter, Optics, Target, hidden_share};
+use crate::fit::path_lengths;
 use crate::image::Channel;
 use crate::io::{atomic, exr};
 use crate::medium::Medium;
@@ -42,13 +43,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let chosen = Chosen::new(arguments.rendering.backend, &scenes, [1, 1])?;
     let (backend, [scene]) = (chosen.backend(), &scenes);
     let progress = Progress::uncounted("rendering");
+    let model = arguments.rendering.model.for_media(&media, path_lengths(&[&scene.geometry]));
     let relief = arguments.rendering.filter.relief(&scene.geometry);
     let mut cut = false;
     let (mut channels, mut shares) = (Vec::new(), Vec::new());
     for ((object, behind), values) in scene.object.iter().zip(&scene.behind).zip(&media) {
         let phase = Gaussian::new(values.b)?;
         let medium = Medium::new(values.sigma_s, values.sigma_a)?;
-        let optics = Optics { model: arguments.rendering.model, medium, phase: &phase };
+        let optics = Optics { model, medium, phase: &phase };
         let target = Target {
             radiance: &object.image,
             behind,
@@ -68,7 +70,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     }
     drop(progress);
     let mut attributes = provenance();
-    attributes.push(("model".into(), arguments.rendering.model.name().into()));
+    attributes.push(("model".into(), model.name().into()));
     attributes.push(("filter".into(), Filter::of(relief.as_ref()).name().into()));
     attributes.push(("backend".into(), chosen.describe()));
     attributes.push(("medium".into(), format!("{media:?}")));

@@ -5,6 +5,7 @@ use super::options::{MediumOptions, RenderOptions, exr_or_png, has_extension, pr
 use super::progress::Progress;
 use crate::error::Error;
 use crate::filter::CUT;
+use crate::fit::path_lengths;
 use crate::geometry::median;
 use crate::image::Channel;
 use crate::io::colour::Tone;
@@ -46,18 +47,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     }
     let scenes = [scene];
     let chosen = Chosen::new(arguments.rendering.backend, &scenes, [1, 1])?;
+    let model = arguments.rendering.model.for_media(&media, path_lengths(&[&scenes[0].geometry]));
     let progress = Progress::uncounted("synthesizing");
-    let made = synthesize(
-        &scenes[0],
-        &media,
-        arguments.rendering.model,
-        arguments.rendering.filter,
-        chosen.backend(),
-    )?;
+    let made = synthesize(&scenes[0], &media, model, arguments.rendering.filter, chosen.backend())?;
     drop(progress);
 
     let mut attributes = provenance();
-    attributes.push(("model".into(), arguments.rendering.model.name().into()));
+    attributes.push(("model".into(), model.name().into()));
     attributes.push(("backend".into(), chosen.describe()));
     attributes.push(("medium".into(), format!("{media:?}")));
     let total = made.total();
@@ -75,12 +71,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let z = median(scenes[0].geometry.path_lengths());
     for (channel, medium) in total.iter().zip(&media) {
         let validity = medium.sigma_s * z * 4.0 * medium.b;
-        if arguments.rendering.model.spreads() && validity > SMALL_ANGLE_LIMIT {
+        if model.rests_on_small_angles() && validity > SMALL_ANGLE_LIMIT {
             eprintln!(
                 "warning (outside_validity): tau·4B of channel {} is {validity:.3}, above {SMALL_ANGLE_LIMIT}: {} rests \
                  on small angles, whose transfer function is off by {} there",
                 channel.name,
-                arguments.rendering.model,
+                model,
                 small_angle_error(validity)
             );
         }

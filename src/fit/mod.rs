@@ -8,6 +8,7 @@ mod comparison;
 mod datum;
 mod equations;
 mod exposure;
+mod model_error;
 mod observed;
 mod parameters;
 mod renders;
@@ -17,11 +18,13 @@ mod start;
 mod sums;
 mod uncertainty;
 
+pub mod ladder;
 pub mod report;
 pub mod scenes;
 
 pub use datum::{Datum, VeilTerm};
 pub use exposure::Exposure;
+pub use model_error::ModelError;
 pub use parameters::{Bounds, NAMES, Parameters, PathLengths};
 
 pub use solver::Method;
@@ -82,12 +85,16 @@ pub struct ChannelFit {
     pub parameters: Parameters,
     /// Their covariance and what the data leave undetermined.
     pub uncertainty: Uncertainty,
+    /// What the model's own error does to them; `None` where it is not known.
+    pub model_error: Option<ModelError>,
     /// Gain, veil, noise and chi² of each scene.
     pub exposures: Vec<Exposure>,
     /// Half the sum of squared residuals in units of the noise.
     pub cost: f64,
     /// Sum of squared residuals over pixels minus fitted numbers.
     pub reduced_chi2: f64,
+    /// Numbers that were fitted: free parameters, gains and veils.
+    pub fitted: usize,
     /// Pixels that counted.
     pub pixels: usize,
     /// Pixels left out because of hidden light.
@@ -242,14 +249,25 @@ fn fit_from<'a>(
             // Where the noise was only estimated, a misfit counts as noise for the error bars.
             let inflation = if unknown_noise { reduced_chi2.max(1.0) } else { 1.0 };
             let uncertainty = Uncertainty::new(&last, &parameters, median_z, inflation);
+            let exposures = exposures(&last, &observed, Some(&uncertainty));
+            let transforms = renders.transforms();
+            let model_error = ModelError::new(
+                (data, &observed),
+                &mut renders,
+                (&parameters, &uncertainty),
+                &exposures,
+                settings,
+            )?;
             return Ok(ChannelFit {
                 start,
+                model_error,
                 renders: images,
                 hidden_shares,
-                exposures: exposures(&last, &observed, Some(&uncertainty)),
+                exposures,
                 uncertainty,
                 cost: last.cost,
                 reduced_chi2,
+                fitted,
                 pixels,
                 hidden_pixels: observed.iter().map(|o| o.hidden).sum(),
                 median_z,
@@ -261,7 +279,7 @@ fn fit_from<'a>(
                 evaluations,
                 by_sums,
                 sum_evaluations,
-                transforms: renders.transforms(),
+                transforms,
                 free_gain: data.iter().any(|d| d.gain == Gain::Free),
                 parameters,
             });
@@ -367,8 +385,11 @@ fn hidden_shares<'a>(
     })
 }
 
-/// Over the pixels of all scenes; a flat scene counts as many times as it has pixels.
-fn path_lengths(scenes: &[&Geometry]) -> PathLengths {
+/// Path lengths over the pixels of all scenes; a flat scene counts as many times as it has pixels.
+///
+/// # Panics
+/// If no scene shows an object.
+pub fn path_lengths(scenes: &[&Geometry]) -> PathLengths {
     let mut weighted: Vec<(f64, usize)> = Vec::new();
     for geometry in scenes {
         let lengths = geometry.path_lengths();

@@ -88,6 +88,17 @@ impl<'a> Observed<'a> {
         Ok(true)
     }
 
+    /// The same pixels and noise with another image in place of the observation.
+    pub(super) fn seen_as<'b>(&self, image: &'b Image) -> Observed<'b>
+    where
+        'a: 'b,
+    {
+        let mut other: Observed<'b> = self.clone();
+        other.datum.observed = image;
+        other.gather(|i| self.counts[i]);
+        other
+    }
+
     pub(super) fn pixels(&self) -> usize {
         self.pixels.len()
     }

@@ -145,6 +145,13 @@ impl Parameters {
         other
     }
 
+    /// These parameters with another B, be it free or not.
+    pub(super) fn with_b(&self, b: f64) -> Self {
+        let mut other = self.clone();
+        other.values[2] = b;
+        other
+    }
+
     /// d value / d coordinate at `u`; 0 for a fixed parameter.
     pub(super) fn chain(&self, u: &[f64; 3]) -> [f64; 3] {
         let values = self.at(u).values;

@@ -1,5 +1,6 @@
 //! The result of a fit as users read it: `fit.json`, and the table on the terminal.
 
+use super::ladder::Rung;
 use super::uncertainty::{Status, Z95};
 use super::{ChannelFit, MISFIT, NAMES, Settings};
 use crate::filter::{Backend, CUT, Filter};
@@ -26,7 +27,7 @@ pub struct ParameterReport {
     pub value: Option<f64>,
     /// Standard error from the noise.
     pub std_error: Option<f64>,
-    /// Error of the model itself; no model states one yet.
+    /// Error of the model itself at this scene, [`ModelError`](super::ModelError); `None` where it is not known.
     pub model_error: Option<f64>,
     /// 95 % interval.
     pub ci95: Option<[f64; 2]>,
@@ -57,6 +58,9 @@ pub struct FitReport {
     pub start: Map<String, Value>,
     /// The command line, if there was one.
     pub command: Option<String>,
+    /// The models that were tried, cheapest first; empty if one was asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub ladder: Vec<Rung>,
     /// What the user should know.
     pub warnings: Vec<Warning>,
 }
@@ -75,6 +79,7 @@ impl FitReport {
             exposures: Vec::new(),
             start: Map::new(),
             command: None,
+            ladder: Vec::new(),
             warnings: Vec::new(),
         };
         for (name, fit) in channels {
@@ -161,19 +166,22 @@ fn parameter(fit: &ChannelFit, i: usize) -> ParameterReport {
     let status = if given { Status::Fixed } else { fit.uncertainty.status(i) };
     let error = fit.uncertainty.std_error(i);
     let logarithmic = i != 1;
+    let unit = Vector3::from_fn(|j, _| f64::from(u8::from(i == j)));
+    let model_error = error.and(fit.model_error.as_ref()).map(|m| m.of(&unit));
     let interval = |e: f64| {
         let [low, high] = fit.parameters.bounds(i);
+        let half = Z95 * e + model_error.unwrap_or(0.0);
         let ends = if logarithmic {
-            [value * (-Z95 * e).exp(), value * (Z95 * e).exp()]
+            [value * (-half).exp(), value * half.exp()]
         } else {
-            [value - Z95 * e, value + Z95 * e]
+            [value - half, value + half]
         };
         [ends[0].max(low).min(value), ends[1].min(high).max(value)]
     };
     ParameterReport {
         value: (!absent).then_some(value),
         std_error: error.map(|e| if logarithmic { e * value } else { e }),
-        model_error: None,
+        model_error: model_error.map(|e| if logarithmic { e * value } else { e }),
         ci95: error.map(interval),
         status,
     }

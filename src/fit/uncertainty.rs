@@ -92,6 +92,15 @@ impl Uncertainty {
         Some(variance * self.inflation)
     }
 
+    /// The Gauss-Newton step from where the cost has `gradient`, but along what the data do not decide.
+    pub(super) fn step(&self, gradient: &Vector3<f64>) -> Vector3<f64> {
+        let g = gradient.component_mul(&self.scale);
+        let decided =
+            self.eigenvalues.iter().zip(self.eigenvectors.column_iter()).filter(|(value, _)| **value > LOST);
+        let step: Vector3<f64> = decided.map(|(value, vector)| vector * (-vector.dot(&g) / value)).sum();
+        step.component_mul(&self.scale)
+    }
+
     /// Status of parameter `i`.
     pub fn status(&self, i: usize) -> Status {
         self.status[i]
