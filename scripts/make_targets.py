@@ -17,6 +17,7 @@ from textures import checker, dead_leaves, natural_checker, power_noise
 
 DATASETS = Path(__file__).resolve().parent.parent / "datasets"
 SIZE_PX = 128
+WIDE_PX = 64
 
 
 def tilted_plane(pixel_pitch, mean_depth, tilt_deg, toward_deg):
@@ -30,10 +31,15 @@ def tilted_plane(pixel_pitch, mean_depth, tilt_deg, toward_deg):
     return mean_depth + rise * (np.cos(toward) * centred + np.sin(toward) * centred[:, None])
 
 
-def shaded_checker(rng):
+def shaded_checker(rng, size_px=SIZE_PX):
     """Return a checkerboard under smooth shading."""
-    cells = 0.22 + 0.6 * checker(rng, SIZE_PX)
-    return cells * (1 + 0.12 * np.clip(power_noise(rng, 3, SIZE_PX), -2.5, 2.5))
+    cells = 0.22 + 0.6 * checker(rng, size_px)
+    return cells * (1 + 0.12 * np.clip(power_noise(rng, 3, size_px), -2.5, 2.5))
+
+
+def wide_checker(rng):
+    """Return a small checkerboard, for kernels that are wide."""
+    return shaded_checker(rng, WIDE_PX)
 
 
 def natural(rng):
@@ -46,6 +52,11 @@ TARGETS = {
     "mitsuba-checker": (11, shaded_checker, None),
     "mitsuba-natural": (12, natural, None),
     "mitsuba-slope": (13, lambda rng: dead_leaves(rng, (0.12, 0.45, 0.95), SIZE_PX), (2.5, 14, 0)),
+    "wide-20": (21, wide_checker, None),
+    "wide-30": (22, wide_checker, None),
+    "wide-30-thick": (23, wide_checker, None),
+    "wide-45": (24, wide_checker, None),
+    "wide-45-thin": (25, wide_checker, None),
     "traced-disks": (14, lambda rng: dead_leaves(rng, (0.15, 0.85), SIZE_PX), None),
     "traced-slope": (15, lambda rng: natural_checker(rng, SIZE_PX), (1.5, 11, 35)),
 }

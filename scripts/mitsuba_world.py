@@ -96,12 +96,12 @@ def object_mesh(scene, channel):
     return mesh
 
 
-def medium_box(scene, medium):
+def medium_box(scene, medium, behind):
     """Return the slab of medium around the object."""
     height, width = scene.depth.shape
     half_width = MEDIUM_BESIDE + max(height, width) / 2 * scene.pixel_pitch / scene.deepest
     scaled = Medium(medium.sigma_s * scene.deepest, medium.sigma_a * scene.deepest, medium.b)
-    return medium_slab(scaled, scene.surface / scene.deepest, 1 + MEDIUM_BEHIND, half_width)
+    return medium_slab(scaled, scene.surface / scene.deepest, 1 + behind, half_width)
 
 
 def camera(scene):
@@ -122,14 +122,17 @@ def camera(scene):
     }
 
 
-def mitsuba_scene(scene, channel, medium):
-    """Return the Mitsuba scene of one channel; its integrator adds the second moment."""
+def mitsuba_scene(scene, channel, medium, behind=MEDIUM_BEHIND):
+    """Return the Mitsuba scene of one channel; its integrator adds the second moment.
+
+    behind: how far the medium goes on behind the deepest object point, in depths of that.
+    """
     return mi.load_dict(
         {
             "type": "scene",
             "integrator": integrator(),
             "sensor": camera(scene),
             "object": object_mesh(scene, channel),
-            "medium": medium_box(scene, medium),
+            "medium": medium_box(scene, medium, behind),
         }
     )

@@ -20,16 +20,16 @@ from mitsuba_render import (  # before exr_io
     set_variant,
 )
 from exr_io import write_exr
-from mitsuba_world import mitsuba_scene
+from mitsuba_world import MEDIUM_BEHIND, mitsuba_scene
 from scene_file import InputError, read_media, read_scene
 
 
-def observe(scene, media, samples, seed):
+def observe(scene, media, samples, seed, behind):
     """Return the channels of the observation and the samples per pixel that were taken."""
     _, _, width, height = scene.view
     observed = {}
     for i, (channel, medium) in enumerate(zip(scene.radiance, media)):
-        world = mitsuba_scene(scene, channel, medium)
+        world = mitsuba_scene(scene, channel, medium, behind)
         mean, variance, taken = render(world, samples, width * height, [seed, i], channel)
         observed |= {channel: mean, f"{channel}.variance": variance}
     return observed, taken
@@ -43,6 +43,14 @@ def parse_arguments():
     add("truth", metavar="TRUTH.toml", help="file with the [medium]")
     add("--output", required=True, metavar="FILE.exr")
     add("--variant", help="Mitsuba variant (llvm_ad_mono where LLVM works, else scalar_rgb)")
+    add(
+        "--behind",
+        type=float,
+        default=MEDIUM_BEHIND,
+        metavar="X",
+        help="how far the medium goes on behind the object, in its depths (%(default)s). Next to nothing makes the plane "
+        "beside a flat object black: through a deep medium, wide lobes send light past the object and back",
+    )
     return parse_with_sampling(parser)
 
 
@@ -57,7 +65,9 @@ def main():
     except InputError as error:
         print(f"observe_mitsuba.py: {error}", file=sys.stderr)
         sys.exit(2)
-    observed, samples = observe(scene, media, arguments.samples, arguments.seed)
+    observed, samples = observe(
+        scene, media, arguments.samples, arguments.seed, arguments.behind
+    )
     write_exr(arguments.output, observed)
     noise = [relative_noise(observed, channel) for channel in scene.radiance]
     print(provenance("observe_mitsuba.py", variant, samples, arguments.seed, noise))

@@ -41,6 +41,7 @@ use crate::scene::{FitOptions, Gain};
 use crate::spread::Model;
 use equations::{NormalEquations, Products};
 use exposure::exposures;
+use nalgebra::Vector3;
 use observed::Observed;
 use renders::Renders;
 use start::Split;
@@ -248,7 +249,7 @@ fn fit_from<'a>(
             let reduced_chi2 = 2.0 * last.cost / pixels.saturating_sub(fitted).max(1) as f64;
             // Where the noise was only estimated, a misfit counts as noise for the error bars.
             let inflation = if unknown_noise { reduced_chi2.max(1.0) } else { 1.0 };
-            let uncertainty = Uncertainty::new(&last, &parameters, median_z, inflation);
+            let mut uncertainty = Uncertainty::new(&last, &parameters, median_z, inflation);
             let exposures = exposures(&last, &observed, Some(&uncertainty));
             let transforms = renders.transforms();
             let model_error = ModelError::new(
@@ -258,6 +259,9 @@ fn fit_from<'a>(
                 &exposures,
                 settings,
             )?;
+            if let Some(error) = &model_error {
+                uncertainty.distrust(|i| error.reference_of(&Vector3::ith(i, 1.0)), median_z);
+            }
             return Ok(ChannelFit {
                 start,
                 model_error,
@@ -288,6 +292,36 @@ fn fit_from<'a>(
             renders = Renders::new(data, &observed, &parameters, settings)?;
         }
     }
+}
+
+/// What `settings.model` would know, and what its error would be, at the medium of another model's fit `pilot`: one render
+/// instead of a fit. `None` where the model has no kernels or nothing to fit.
+fn foresee<'a>(
+    data: &[Datum<'a>],
+    options: &FitOptions,
+    settings: &Settings<'a>,
+    pilot: &ChannelFit,
+) -> Result<Option<(Parameters, Uncertainty, Option<ModelError>)>> {
+    let scenes: Vec<&Geometry> = data.iter().map(|d| d.target.geometry).collect();
+    let mut parameters = match Parameters::new(options, settings.model, path_lengths(&scenes)) {
+        Err(Error::OutOfRange { .. } | Error::NothingToFit(_)) => return Ok(None),
+        parameters => parameters?,
+    };
+    parameters.set_internal(&pilot.parameters.internal());
+    let mut observed = data.iter().map(Observed::new).collect::<Result<Vec<_>>>()?;
+    for ((o, exposure), share) in observed.iter_mut().zip(&pilot.exposures).zip(&pilot.hidden_shares) {
+        o.noise = exposure.noise;
+        if let Some(share) = share {
+            o.leave_out_hidden(share)?;
+        }
+    }
+    let mut renders = Renders::new(data, &observed, &parameters, settings)?;
+    let problem = Problem::new(Source::Renders(&renders), &observed, &parameters, settings);
+    let equations = problem.equations(&parameters.internal())?;
+    let uncertainty = Uncertainty::new(&equations, &parameters, pilot.median_z, 1.0);
+    let at = (&parameters, &uncertainty);
+    let error = ModelError::new((data, &observed), &mut renders, at, &pilot.exposures, settings)?;
+    Ok(Some((parameters, uncertainty, error)))
 }
 
 /// What the sums of products of a problem come from.

@@ -8,7 +8,7 @@
 use super::exposure::Exposure;
 use super::observed::Observed;
 use super::renders::Renders;
-use super::{Datum, Parameters, Problem, Settings, Source, Uncertainty, with_optics};
+use super::{Datum, Parameters, Problem, Settings, Source, Status, Uncertainty, with_optics};
 use crate::error::{Error, Result};
 use crate::filter::Optics;
 use crate::image::Image;
@@ -21,7 +21,7 @@ const REFERENCE: Model = Model::WideAngle;
 /// at tau 8.5 (`cargo test --release --test wide_angle -- --nocapture`).
 const REFERENCE_ERROR: f64 = 0.002;
 /// Widths B (rad²) for which the error of a model without a width is reckoned, where none is given: the worst counts.
-const WIDTHS: [f64; 3] = [1e-3, 1e-2, 1e-1];
+const WIDTHS: [f64; 3] = [1e-3, 1e-2, 5e-2];
 
 /// What the model's error does to the coordinates (ln sigma_s, sigma_a, ln B), to first order.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,7 +35,8 @@ pub struct ModelError {
 }
 
 impl ModelError {
-    /// The error at `parameters`, which `renders` have been fitted at; `None` where the reference has no kernels.
+    /// The error at `parameters`, near the optimum that `renders` have; `None` where the reference has no kernels, or no
+    /// parameter is estimated.
     pub(super) fn new<'a>(
         (data, observed): (&[Datum<'a>], &[Observed<'a>]),
         renders: &mut Renders<'a>,
@@ -43,6 +44,9 @@ impl ModelError {
         exposures: &[Exposure],
         settings: &Settings<'a>,
     ) -> Result<Option<Self>> {
+        if (0..3).all(|i| uncertainty.status(i) != Status::Free) {
+            return Ok(None);
+        }
         let widths = if parameters.is_placeholder(2) { &WIDTHS[..] } else { &parameters.values()[2..] };
         let mut worst: Option<Self> = None;
         for &b in widths {
@@ -85,10 +89,15 @@ impl ModelError {
 
     /// The error of the linear function `gradient`·u of the coordinates.
     pub fn of(&self, gradient: &Vector3<f64>) -> f64 {
-        self.bias_of(gradient).abs() + gradient.dot(&self.reference).abs()
+        self.bias_of(gradient).abs() + self.reference_of(gradient)
     }
 
-    /// The part of it that the reference would not make, with its sign: what the fit should be changed by.
+    /// The part of it that the reference makes as well: what no model here can know better.
+    pub(super) fn reference_of(&self, gradient: &Vector3<f64>) -> f64 {
+        gradient.dot(&self.reference).abs()
+    }
+
+    /// The part of it that the reference would not make, with its sign: estimate minus truth.
     pub fn bias_of(&self, gradient: &Vector3<f64>) -> f64 {
         gradient.dot(&self.bias)
     }

@@ -166,8 +166,7 @@ fn parameter(fit: &ChannelFit, i: usize) -> ParameterReport {
     let status = if given { Status::Fixed } else { fit.uncertainty.status(i) };
     let error = fit.uncertainty.std_error(i);
     let logarithmic = i != 1;
-    let unit = Vector3::from_fn(|j, _| f64::from(u8::from(i == j)));
-    let model_error = error.and(fit.model_error.as_ref()).map(|m| m.of(&unit));
+    let model_error = error.and(fit.model_error.as_ref()).map(|m| m.of(&Vector3::ith(i, 1.0)));
     let interval = |e: f64| {
         let [low, high] = fit.parameters.bounds(i);
         let half = Z95 * e + model_error.unwrap_or(0.0);

@@ -96,15 +96,24 @@ pub fn fit_scenes(scenes: &[Scene], settings: &Settings, filter: Filter) -> Resu
     check_scenes(scenes, settings)?;
     let clock = Instant::now();
     let first = &scenes[0];
-    let reliefs: Vec<Option<Relief>> = scenes.iter().map(|scene| filter.relief(&scene.geometry)).collect();
+    let reliefs = reliefs(scenes, filter);
     let mut channels = Vec::new();
     for (i, name) in names(first).into_iter().enumerate() {
-        let data: Vec<Datum> = scenes.iter().zip(&reliefs).map(|(s, r)| datum(s, r.as_ref(), i)).collect();
-        channels.push((name, fit_channel(&data, &first.fit[i], settings)?));
+        channels.push((name, fit_channel(&data(scenes, &reliefs, i), &first.fit[i], settings)?));
     }
     let used = Filter::of(reliefs.iter().flatten().next());
     let report = FitReport::new(&channels, settings, used, clock.elapsed().as_secs_f64());
     Ok(SceneFit { channels, report })
+}
+
+/// What `filter` needs to know of the depth map of each scene.
+pub(super) fn reliefs(scenes: &[Scene], filter: Filter) -> Vec<Option<Relief>> {
+    scenes.iter().map(|scene| filter.relief(&scene.geometry)).collect()
+}
+
+/// Channel `i` of all scenes.
+pub(super) fn data<'a>(scenes: &'a [Scene], reliefs: &'a [Option<Relief>], i: usize) -> Vec<Datum<'a>> {
+    scenes.iter().zip(reliefs).map(|(scene, relief)| datum(scene, relief.as_ref(), i)).collect()
 }
 
 /// Channel `i` of an observed scene.

@@ -17,6 +17,11 @@ const MOST_ERROR: f64 = 0.5;
 /// Two-sided 95 % quantile of the normal distribution.
 pub(super) const Z95: f64 = 1.959_964;
 
+/// Whether a coordinate with this `error` is known.
+fn is_known(i: usize, error: f64, median_z: f64) -> bool {
+    error <= if Parameters::is_logarithmic(i) { MOST_ERROR } else { MOST_ERROR / median_z }
+}
+
 /// What is known of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -66,14 +71,26 @@ impl Uncertainty {
             }
             let unit = Vector3::from_fn(|j, _| f64::from(u8::from(i == j)));
             let error = if scale[i] > 0.0 { this.variance_of(&unit).map(f64::sqrt) } else { None };
-            let limit = if Parameters::is_logarithmic(i) { MOST_ERROR } else { MOST_ERROR / median_z };
-            this.status[i] =
-                if error.is_some_and(|e| e <= limit) { Status::Free } else { Status::Undetermined };
+            this.status[i] = if error.is_some_and(|e| is_known(i, e, median_z)) {
+                Status::Free
+            } else {
+                Status::Undetermined
+            };
             if this.status[i] == Status::Free {
                 this.std_errors[i] = error;
             }
         }
         this
+    }
+
+    /// Takes as undetermined what the error of the best model leaves open: its error of each coordinate is `error`.
+    pub(super) fn distrust(&mut self, error: impl Fn(usize) -> f64, median_z: f64) {
+        for i in 0..3 {
+            if self.status[i] == Status::Free && !is_known(i, error(i), median_z) {
+                self.status[i] = Status::Undetermined;
+                self.std_errors[i] = None;
+            }
+        }
     }
 
     /// Variance of the linear function `gradient`·u of the coordinates; `None` if the data do not decide it.

@@ -64,7 +64,7 @@ impl Workshop {
     /// Writes `scene` as scene.toml and makes observed.exr with its own [medium].
     pub fn observe(&self, scene: &str) {
         self.write("scene.toml", scene);
-        let run = self.run("render scene.toml --output observed.exr");
+        let run = self.run("render scene.toml --model small-angle --output observed.exr");
         assert_eq!(run.code, 0, "{}", run.stderr);
     }
 }
