@@ -99,6 +99,7 @@ fn tell(arguments: &Arguments, fit: &SceneFit, chosen: &Chosen) -> Result<()> {
             row.iter().enumerate().map(|(c, cell)| format!("{cell:<w$}", w = width(c))).collect();
         text += &format!("{}\n", cells.join("   ").trim_end());
     }
+    report.remarks().iter().for_each(|line| text += &format!("{line}\n"));
     text += &format!("{}\n", how_it_went(arguments, fit, chosen));
     report.ladder.iter().for_each(|rung| text += &format!("{}\n", rung.line()));
     if arguments.json {
@@ -187,7 +188,7 @@ fn write(arguments: &Arguments, scenes: &[Scene], fit: &SceneFit, chosen: &Chose
             columns: if panels.len() > 4 { 3 } else { 4 },
             panels,
             table: fit.report.table("1/length"),
-            notes: vec![how_it_went(arguments, fit, chosen)],
+            notes: fit.report.remarks().into_iter().chain([how_it_went(arguments, fit, chosen)]).collect(),
         };
         let share = || match &share {
             Some(share) => exr::write(&file("hidden_share", "exr"), share, &provenance()),

@@ -167,13 +167,12 @@ impl Rung {
             std::array::from_fn(known)
         };
         let errors = channels().map(|fit| fit.model_error.map(|e| e.image));
-        let bic = |fit: &ChannelFit| 2.0 * fit.cost + fit.fitted as f64 * (fit.pixels as f64).ln();
         Self {
             model: model.name(),
             estimates: channels().map(estimate).collect(),
             image_error: errors.collect::<Option<Vec<f64>>>().map(|e| e.into_iter().fold(0.0, f64::max)),
             reduced_chi2: fit.report.fit["reduced_chi2"].as_f64(),
-            bic: Some(channels().map(bic).sum()),
+            bic: Some(channels().map(ChannelFit::bic).sum()),
             seconds: fit.report.fit["seconds"].as_f64().unwrap_or(f64::NAN),
             shortcoming: None,
             taken: false,

@@ -102,6 +102,10 @@ pub struct ChannelFit {
     pub hidden_pixels: usize,
     /// Median path length over all scenes, length.
     pub median_z: f64,
+    /// Median length of a pixel at the object of the first scene.
+    pub pixel_pitch: f64,
+    /// Shorter side of the first scene's view, px.
+    pub view_px: usize,
     /// Whether the optimiser converged.
     pub converged: bool,
     /// Whether the noise of the scenes, the planning of the renders and the pixels left out settled.
@@ -127,6 +131,19 @@ pub struct ChannelFit {
     pub renders: Vec<Image>,
     /// Share of hidden light of each scene's pixels at the best fit; `None` for a scene in which nothing is hidden.
     pub hidden_shares: Vec<Option<Image>>,
+}
+
+impl ChannelFit {
+    /// Akaike's information criterion, chi² + 2 k with k fitted numbers (Akaike 1974): the log-likelihood of a normal noise
+    /// that is known, or held at its estimate.
+    pub fn aic(&self) -> f64 {
+        2.0 * self.cost + 2.0 * self.fitted as f64
+    }
+
+    /// Bayesian information criterion, chi² + k ln n over n pixels (Schwarz 1978).
+    pub fn bic(&self) -> f64 {
+        2.0 * self.cost + self.fitted as f64 * (self.pixels as f64).ln()
+    }
 }
 
 /// How much wider than at the start the kernels may become before a fit is planned anew.
@@ -275,6 +292,8 @@ fn fit_from<'a>(
                 pixels,
                 hidden_pixels: observed.iter().map(|o| o.hidden).sum(),
                 median_z,
+                pixel_pitch: scenes[0].median_pixel_pitch(),
+                view_px: data[0].target.view.width.min(data[0].target.view.height),
                 converged: outcome.converged,
                 settled,
                 cut,

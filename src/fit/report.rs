@@ -1,12 +1,18 @@
 //! The result of a fit as users read it: `fit.json`, and the table on the terminal.
 
+mod gauge;
+mod warnings;
+
+pub use gauge::Gauge;
+use warnings::warnings;
+
 use super::ladder::Rung;
 use super::uncertainty::{Status, Z95};
-use super::{ChannelFit, MISFIT, NAMES, Settings};
-use crate::filter::{Backend, CUT, Filter};
+use super::{ChannelFit, NAMES, Settings};
+use crate::filter::{Backend, Filter};
 use crate::medium::Medium;
 use crate::phase::{Gaussian, PhaseFunction};
-use crate::spread::{Model, SMALL_ANGLE_LIMIT, small_angle_error};
+use crate::spread::Model;
 use nalgebra::Vector3;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -27,12 +33,16 @@ pub struct ParameterReport {
     pub value: Option<f64>,
     /// Standard error from the noise.
     pub std_error: Option<f64>,
+    /// The same over the value.
+    pub relative_error: Option<f64>,
     /// Error of the model itself at this scene, [`ModelError`](super::ModelError); `None` where it is not known.
     pub model_error: Option<f64>,
     /// 95 % interval.
     pub ci95: Option<[f64; 2]>,
     /// Free, fixed or undetermined.
     pub status: Status,
+    /// Where the fit began.
+    pub start: Option<f64>,
 }
 
 /// Everything about a fit, over all its channels.
@@ -50,6 +60,9 @@ pub struct FitReport {
     pub parameters: Map<String, Value>,
     /// Quantities that follow from them, with the same suffixes.
     pub derived: Map<String, Value>,
+    /// Correlations of the parameters' errors, `sigma_s,sigma_a` and so on, with the same suffixes; null where one of the two
+    /// is fixed or undetermined.
+    pub correlations: Map<String, Value>,
     /// How the fit went, over all channels.
     pub fit: Value,
     /// Gain, veil, noise and misfit of every scene and channel.
@@ -75,6 +88,7 @@ impl FitReport {
             backend: backend(settings.backend),
             parameters: Map::new(),
             derived: Map::new(),
+            correlations: Map::new(),
             fit: summary(channels, seconds),
             exposures: Vec::new(),
             start: Map::new(),
@@ -99,6 +113,10 @@ impl FitReport {
         for (name, value) in derived(fit, model) {
             self.derived.insert(format!("{name}{suffix}"), value);
         }
+        for (i, j) in [(0, 1), (0, 2), (1, 2)] {
+            let key = format!("{}{suffix},{}{suffix}", NAMES[i], NAMES[j]);
+            self.correlations.insert(key, json!(fit.uncertainty.correlation(i, j)));
+        }
         for (scene, e) in fit.exposures.iter().enumerate() {
             self.exposures.push(json!({
                 "scene": scene, "channel": channel,
@@ -118,8 +136,9 @@ impl FitReport {
 
     /// Rows of the table for people: heading, then a row a parameter.
     pub fn table(&self, unit: &str) -> Vec<Vec<String>> {
-        let row = |cells: [&str; 5]| cells.map(String::from).to_vec();
-        let mut rows = vec![row(["", "value", "std error", "95 % interval", "unit"])];
+        let row = |cells: [&str; 8]| cells.map(String::from).to_vec();
+        let heading = ["", "value", "std error", "", "model error", "95 % interval", "start", "unit"];
+        let mut rows = vec![row(heading)];
         let number = |v: &Value| v.as_f64().map_or_else(|| "-".to_string(), significant);
         for (name, p) in &self.parameters {
             let unit = if name.starts_with('b') { "rad²" } else { unit };
@@ -127,14 +146,45 @@ impl FitReport {
                 Value::Array(ends) => format!("{} … {}", number(&ends[0]), number(&ends[1])),
                 _ => p["status"].as_str().unwrap_or("-").to_string(),
             };
-            rows.push(row([name, &number(&p["value"]), &number(&p["std_error"]), &interval, unit]));
+            let relative =
+                p["relative_error"].as_f64().map_or(String::new(), |e| format!("({:.2} %)", 100.0 * e));
+            let [value, std_error, model_error, start] =
+                ["value", "std_error", "model_error", "start"].map(|key| number(&p[key]));
+            rows.push(row([name, &value, &std_error, &relative, &model_error, &interval, &start, unit]));
         }
         for name in ["sigma_t", "sigma_s_b"] {
             for (key, d) in self.derived.iter().filter(|(k, _)| k.split('.').next() == Some(name)) {
-                rows.push(row([key, &number(&d["value"]), &number(&d["std_error"]), "derived", ""]));
+                let [value, std_error] = ["value", "std_error"].map(|key| number(&d[key]));
+                rows.push(row([key, &value, &std_error, "", "", "derived", "", ""]));
             }
         }
         rows
+    }
+
+    /// Correlations and statistics, and what kind of scattering this is, as lines for people.
+    pub fn remarks(&self) -> Vec<String> {
+        let number = |key: &str| self.fit[key].as_f64().map_or_else(|| "-".to_string(), significant);
+        let known =
+            self.correlations.iter().filter_map(|(key, v)| Some(format!("{key} {:+.3}", v.as_f64()?)));
+        let known: Vec<String> = known.collect();
+        let mut lines = Vec::new();
+        if !known.is_empty() {
+            lines.push(format!("correlations: {}", known.join(";  ")));
+        }
+        lines.push(format!(
+            "chi² {}, reduced {}, AIC {}, BIC {}; {} pixels, {} numbers fitted",
+            number("chi2"),
+            number("reduced_chi2"),
+            number("aic"),
+            number("bic"),
+            self.fit["pixels"],
+            self.fit["fitted"]
+        ));
+        for (key, verdict) in self.derived.iter().filter(|(key, _)| key.split('.').next() == Some("verdict"))
+        {
+            lines.push(format!("{key}: {}", verdict.as_str().unwrap_or("-")));
+        }
+        lines
     }
 }
 
@@ -180,9 +230,11 @@ fn parameter(fit: &ChannelFit, i: usize) -> ParameterReport {
     ParameterReport {
         value: (!absent).then_some(value),
         std_error: error.map(|e| if logarithmic { e * value } else { e }),
+        relative_error: error.filter(|_| value > 0.0).map(|e| if logarithmic { e } else { e / value }),
         model_error: model_error.map(|e| if logarithmic { e * value } else { e }),
         ci95: error.map(interval),
         status,
+        start: (!absent).then_some(fit.start[i]),
     }
 }
 
@@ -207,7 +259,12 @@ fn derived(fit: &ChannelFit, model: Model) -> Vec<(&'static str, Value)> {
         let phase = Gaussian::new(b).expect("parameters stay in their range");
         all.push(("spread_angle_deg", json!(phase.spread_angle().to_degrees())));
         all.push(("g", json!(phase.mean_cosine())));
-        all.push(("validity", json!(medium.tau(z) * 4.0 * b)));
+        let gauge = Gauge::new(fit, &medium, b);
+        all.push(("validity", json!(gauge.validity)));
+        all.push(("scattered_share", json!(gauge.scattered_share)));
+        all.push(("kernel_width_px", json!(gauge.kernel_width_px)));
+        all.push(("kernel_width_views", json!(gauge.kernel_width_views)));
+        all.push(("verdict", json!(gauge.verdict())));
     }
     all.push(("z", json!(z)));
     all
@@ -224,7 +281,11 @@ fn summary(channels: &[(String, ChannelFit)], seconds: f64) -> Value {
         "converged": fits().all(|f| f.converged),
         "stop": if all_same { stops[0].to_string() } else { stops.join("; ") },
         "cost": fits().map(|f| f.cost).sum::<f64>(),
+        "chi2": fits().map(|f| 2.0 * f.cost).sum::<f64>(),
         "reduced_chi2": chi2,
+        "aic": fits().map(ChannelFit::aic).sum::<f64>(),
+        "bic": fits().map(ChannelFit::bic).sum::<f64>(),
+        "fitted": sum(|f| f.fitted as u64),
         "pixels": pixels,
         "hidden_pixels": sum(|f| f.hidden_pixels as u64),
         "path": if fits().all(|f| f.by_sums.is_some()) { "sums" } else { "renders" },
@@ -233,87 +294,4 @@ fn summary(channels: &[(String, ChannelFit)], seconds: f64) -> Value {
         "sum_evaluations": sum(|f| f.sum_evaluations),
         "seconds": seconds,
     })
-}
-
-fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warning> {
-    let mut all = Vec::new();
-    let mut warn = |code, message| all.push(Warning { code, message });
-    if !fit.converged {
-        warn("not_converged", format!("the fit{suffix} stopped before its optimum: {}", fit.stop));
-    }
-    let lost: Vec<usize> = (0..3).filter(|&i| fit.uncertainty.status(i) == Status::Undetermined).collect();
-    if !lost.is_empty() {
-        let names: Vec<String> = lost.iter().map(|&i| format!("{}{suffix}", NAMES[i])).collect();
-        warn(
-            "undetermined",
-            format!("the data do not determine {}: {}", names.join(" and "), why(fit, &lost, model)),
-        );
-    }
-    if fit.cut {
-        warn("kernel_cut", format!("{CUT}{suffix}"));
-    }
-    if !fit.settled {
-        let message = "the noise of the scenes or the depth slices of the render did not settle";
-        warn("not_settled", format!("{message}{suffix}"));
-    }
-    if fit.hidden_pixels > fit.pixels {
-        warn(
-            "hidden_light",
-            format!(
-                "{} of {} pixels{suffix} are left out, as more than hidden_share_max of their light may be hidden \
-                 behind near surfaces; give what lies there as [[object.layer]], or raise [observation] \
-                 hidden_share_max",
-                fit.hidden_pixels,
-                fit.hidden_pixels + fit.pixels
-            ),
-        );
-    }
-    if fit.reduced_chi2 > MISFIT {
-        warn(
-            "misfit",
-            format!(
-                "reduced chi²{suffix} is {}: the image is not what {model} makes of this scene; the noise may be \
-                 more than stated, the geometry or the object wrong, or the scenes' media different",
-                significant(fit.reduced_chi2)
-            ),
-        );
-    }
-    let on = fit.parameters.at_bound();
-    let pressed: Vec<String> = on
-        .iter()
-        .filter(|&&i| !(i == 1 && fit.parameters.values()[1] == 0.0))
-        .map(|&i| format!("{}{suffix}", NAMES[i]))
-        .collect();
-    if !pressed.is_empty() {
-        warn("at_bound", format!("on a bound, where the interval is cut: {}", pressed.join(", ")));
-    }
-    let [sigma_s, _, b] = fit.parameters.values();
-    let validity = sigma_s * fit.median_z * 4.0 * b;
-    if model.rests_on_small_angles() && validity > SMALL_ANGLE_LIMIT {
-        warn(
-            "outside_validity",
-            format!(
-                "tau·4B{suffix} = {validity:.3} is above {SMALL_ANGLE_LIMIT}: {model} rests on small angles, whose \
-                 transfer function is off by {} here; the residual does not show it, and the intervals leave it out",
-                small_angle_error(validity)
-            ),
-        );
-    }
-    all
-}
-
-/// Why `lost` parameters are undetermined, and what would help.
-fn why(fit: &ChannelFit, lost: &[usize], model: Model) -> &'static str {
-    let free_gain = fit.exposures.iter().any(|e| e.gain_error.is_none() && fit.free_gain);
-    if !model.spreads() {
-        "direct light alone shows only sigma_t; fix sigma_s or sigma_a, or use a model that spreads light"
-    } else if lost == [1] && free_gain {
-        "with a free gain of its own, a scene at one depth cannot tell absorption from exposure; give the gain of one \
-         scene, or use an object that spans depths"
-    } else if lost.contains(&0) && lost.contains(&2) {
-        "they trade against each other; only sigma_s·B (derived.sigma_s_b) may be known; a second depth, a sharper \
-         object or less noise would part them"
-    } else {
-        "the noise allows it almost any value; a longer exposure, a sharper object or another depth would help"
-    }
 }

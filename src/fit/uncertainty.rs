@@ -118,6 +118,13 @@ impl Uncertainty {
         step.component_mul(&self.scale)
     }
 
+    /// Correlation of the errors of two coordinates; `None` unless both are estimated.
+    pub fn correlation(&self, i: usize, j: usize) -> Option<f64> {
+        let (a, b) = (self.std_errors[i]?, self.std_errors[j]?);
+        let both = self.variance_of(&(Vector3::ith(i, 1.0) + Vector3::ith(j, 1.0)))?;
+        Some(((both - a * a - b * b) / (2.0 * a * b)).clamp(-1.0, 1.0))
+    }
+
     /// Status of parameter `i`.
     pub fn status(&self, i: usize) -> Status {
         self.status[i]

@@ -1,0 +1,120 @@
+//! What a fit tells its user besides numbers.
+
+use super::{Warning, significant};
+use crate::filter::CUT;
+use crate::fit::uncertainty::Status;
+use crate::fit::{ChannelFit, MISFIT, NAMES};
+use crate::spread::{Model, SMALL_ANGLE_LIMIT, small_angle_error};
+use nalgebra::Vector3;
+
+/// Predicted error of a logarithm, or of sigma_a z, above which a model is said to be the wrong one.
+const LARGE_MODEL_ERROR: f64 = 0.1;
+
+/// The warnings of one channel, whose names end in `suffix`.
+pub(super) fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warning> {
+    let mut all = Vec::new();
+    let mut warn = |code, message| all.push(Warning { code, message });
+    if !fit.converged {
+        warn("not_converged", format!("the fit{suffix} stopped before its optimum: {}", fit.stop));
+    }
+    let lost: Vec<usize> = (0..3).filter(|&i| fit.uncertainty.status(i) == Status::Undetermined).collect();
+    if !lost.is_empty() {
+        let names: Vec<String> = lost.iter().map(|&i| format!("{}{suffix}", NAMES[i])).collect();
+        warn(
+            "undetermined",
+            format!("the data do not determine {}: {}", names.join(" and "), why(fit, &lost, model)),
+        );
+    }
+    if fit.cut {
+        warn("kernel_cut", format!("{CUT}{suffix}"));
+    }
+    if !fit.settled {
+        let message = "the noise of the scenes or the depth slices of the render did not settle";
+        warn("not_settled", format!("{message}{suffix}"));
+    }
+    if fit.hidden_pixels > fit.pixels {
+        warn(
+            "hidden_light",
+            format!(
+                "{} of {} pixels{suffix} are left out, as more than hidden_share_max of their light may be hidden \
+                 behind near surfaces; give what lies there as [[object.layer]], or raise [observation] \
+                 hidden_share_max",
+                fit.hidden_pixels,
+                fit.hidden_pixels + fit.pixels
+            ),
+        );
+    }
+    if fit.reduced_chi2 > MISFIT {
+        warn(
+            "misfit",
+            format!(
+                "reduced chi²{suffix} is {}: the image is not what {model} makes of this scene; the noise may be \
+                 more than stated, the geometry or the object wrong, or the scenes' media different",
+                significant(fit.reduced_chi2)
+            ),
+        );
+    }
+    let on = fit.parameters.at_bound();
+    let pressed: Vec<String> = on
+        .iter()
+        .filter(|&&i| !(i == 1 && fit.parameters.values()[1] == 0.0))
+        .map(|&i| format!("{}{suffix}", NAMES[i]))
+        .collect();
+    if !pressed.is_empty() {
+        warn("at_bound", format!("on a bound, where the interval is cut: {}", pressed.join(", ")));
+    }
+    let free = |i: &usize| fit.uncertainty.status(*i) == Status::Free;
+    match &fit.model_error {
+        None if (0..3).any(|i| free(&i)) => warn(
+            "model_error_unknown",
+            format!(
+                "the error of {model}{suffix} is not known at this medium, beyond the range of wide-angle"
+            ),
+        ),
+        Some(error) => {
+            let share = |i: usize| {
+                let bias = error.bias_of(&Vector3::ith(i, 1.0)).abs();
+                if i == 1 { bias * fit.median_z } else { bias }
+            };
+            let worst = (0..3).filter(free).map(share).fold(0.0, f64::max);
+            if worst > LARGE_MODEL_ERROR {
+                let message = format!(
+                    "{model}{suffix} is off by about {:.0} % of a parameter at this medium; use --model auto",
+                    100.0 * worst
+                );
+                warn("model_error", message);
+            }
+        }
+        None => (),
+    }
+    let [sigma_s, _, b] = fit.parameters.values();
+    let validity = sigma_s * fit.median_z * 4.0 * b;
+    if model.rests_on_small_angles() && validity > SMALL_ANGLE_LIMIT {
+        warn(
+            "outside_validity",
+            format!(
+                "tau·4B{suffix} = {validity:.3} is above {SMALL_ANGLE_LIMIT}: {model} rests on small angles, whose \
+                 transfer function is off by {} here, which the residual does not show; the stated model error, which \
+                 the intervals hold, is a prediction of first order; use --model wide-angle or auto",
+                small_angle_error(validity)
+            ),
+        );
+    }
+    all
+}
+
+/// Why `lost` parameters are undetermined, and what would help.
+fn why(fit: &ChannelFit, lost: &[usize], model: Model) -> &'static str {
+    let free_gain = fit.exposures.iter().any(|e| e.gain_error.is_none() && fit.free_gain);
+    if !model.spreads() {
+        "direct light alone shows only sigma_t; fix sigma_s or sigma_a, or use a model that spreads light"
+    } else if lost == [1] && free_gain {
+        "with a free gain of its own, a scene at one depth cannot tell absorption from exposure; give the gain of one \
+         scene, or use an object that spans depths"
+    } else if lost.contains(&0) && lost.contains(&2) {
+        "they trade against each other; only sigma_s·B (derived.sigma_s_b) may be known; a second depth, a sharper \
+         object or less noise would part them"
+    } else {
+        "the noise allows it almost any value; a longer exposure, a sharper object or another depth would help"
+    }
+}
