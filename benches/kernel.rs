@@ -49,6 +49,18 @@ fn transfer(c: &mut Criterion) {
     group.finish();
 }
 
+/// The wide-angle kernel is interpolated for each medium and depth: what that costs, before any frequency is asked for.
+fn interpolation(c: &mut Criterion) {
+    let phase = Gaussian::new(b_of_spread_angle(35f64.to_radians())).unwrap();
+    let medium = Medium::new(3.0, 0.4).unwrap();
+    c.bench_function("a wide-angle kernel with derivatives", |b| {
+        b.iter(|| {
+            let kernel = Model::WideAngle.kernel(black_box(&medium), &phase, 1.0).unwrap();
+            kernel.scattered_transfer(1.0).value
+        });
+    });
+}
+
 fn density(c: &mut Criterion) {
     let phase = phase();
     let width = phase.b().sqrt();
@@ -97,6 +109,6 @@ fn floor(_: &mut Criterion) {
 criterion_group! {
     name = benches;
     config = Criterion::default().warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(1));
-    targets = transfer, density, floor
+    targets = transfer, interpolation, density, floor
 }
 criterion_main!(benches);

@@ -105,6 +105,7 @@ mod quadrature;
 pub mod relief;
 pub mod scene;
 pub mod spread;
+pub mod study;
 pub mod synthesis;
 pub mod table;
 pub mod trace;

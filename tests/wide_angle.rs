@@ -169,19 +169,3 @@ fn half_a_table_is_refused() {
     assert!(Table::parse(&bytes[..bytes.len() / 2]).unwrap_err().to_string().contains("nodes of"));
     assert!(Table::parse(b"something else\n").unwrap_err().to_string().contains("first line"));
 }
-
-#[test]
-fn a_kernel_costs_less_than_200_microseconds() {
-    let (medium, phase) = (Medium::new(3.0, 0.4).unwrap(), lobe(35.0));
-    let made = || WideAngle::new(&TABLE, &medium, &phase, 1.0).unwrap().scattered_transfer(1.0).value;
-    let fastest = (0..200)
-        .map(|_| {
-            let start = std::time::Instant::now();
-            assert!(std::hint::black_box(made()) > 0.0);
-            start.elapsed()
-        })
-        .min()
-        .unwrap();
-    println!("a kernel with derivatives: {fastest:?}");
-    assert!(fastest.as_micros() < 200, "{fastest:?}");
-}

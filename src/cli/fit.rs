@@ -3,10 +3,10 @@
 use super::backend::Chosen;
 use super::options::{RenderOptions, WantedModel, positive, provenance};
 use super::progress::Progress;
-use super::{UNDETERMINED, say};
+use super::{UNDETERMINED, aligned, say};
 use crate::fit::ladder::climb;
 use crate::fit::scenes::{SceneFit, check_scenes, fit_scenes};
-use crate::fit::{Method, Settings};
+use crate::fit::{Method, Settings, bootstrap, profile};
 use crate::io::colour::{Tone, residual_scale};
 use crate::io::{atomic, exr, png};
 use crate::plots::{Figure, Panel, Shade};
@@ -33,6 +33,15 @@ pub(super) struct Arguments {
     /// Iterations after which a fit is given up
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..))]
     max_iterations: u64,
+    /// Also find 95 % intervals by profile likelihood, for each free parameter
+    #[arg(long)]
+    profile: bool,
+    /// Also find 95 % intervals by so many refits of the best fit with fresh noise
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    bootstrap: usize,
+    /// Seed of that noise
+    #[arg(long, default_value_t = 1, value_name = "S")]
+    seed: u64,
     /// Directory for fit.json, render.exr, residual.exr, hidden_share.exr (if something is hidden) and pictures
     #[arg(long, default_value = "narrowbeam-fit", value_name = "DIR")]
     out: PathBuf,
@@ -53,21 +62,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
         .map(|path| Scene::read(path, Purpose::Fit))
         .collect::<crate::Result<Vec<_>>>()?;
     let chosen = Chosen::new(arguments.rendering.backend, &scenes, [CONFIRMING_RENDERS, TYPICAL_RENDERS])?;
-    let renders = TYPICAL_RENDERS * (scenes.len() * scenes[0].object.len()) as u64;
-    let progress = Progress::new("fitting", "renders", renders);
-    let settings = Settings {
-        model: match arguments.rendering.model {
-            WantedModel::This(model) => model,
-            // What any input must at least be good for.
-            WantedModel::Auto => Model::SmallAngle,
-        },
-        backend: chosen.backend(),
-        method: arguments.solver,
-        max_iterations: arguments.max_iterations,
-        sums: arguments.solver == Method::LevenbergMarquardt,
-        progress: &|| progress.add(1),
-    };
-    check_scenes(&scenes, &settings)?;
+    check_scenes(&scenes, &settings_of(arguments, &chosen, &|| ()))?;
     atomic::create_dir(&arguments.out)?;
     for i in 0..scenes.len() {
         for (name, kind) in OUTPUTS {
@@ -75,12 +70,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
         }
     }
     atomic::check_writable(&arguments.out.join("fit.json"))?;
-    let filter = arguments.rendering.filter;
-    let mut fit = match arguments.rendering.model {
-        WantedModel::This(_) => fit_scenes(&scenes, &settings, filter)?,
-        WantedModel::Auto => climb(&scenes, &settings, filter, arguments.tolerance)?,
-    };
-    drop(progress);
+    let mut fit = estimate(arguments, &scenes, &chosen)?;
+    add_intervals(arguments, &scenes, &chosen, &mut fit)?;
     fit.report.backend["reason"] = chosen.reason.clone().into();
     fit.report.command = provenance().into_iter().find(|(key, _)| key == "command").map(|(_, value)| value);
     write(arguments, &scenes, &fit, &chosen)?;
@@ -88,17 +79,69 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     Ok(if fit.report.is_complete() { ExitCode::SUCCESS } else { ExitCode::from(UNDETERMINED) })
 }
 
+fn settings_of<'a>(
+    arguments: &Arguments,
+    chosen: &'a Chosen,
+    progress: &'a (dyn Fn() + Sync),
+) -> Settings<'a> {
+    let model = match arguments.rendering.model {
+        WantedModel::This(model) => model,
+        // What any input must at least be good for.
+        WantedModel::Auto => Model::SmallAngle,
+    };
+    Settings {
+        model,
+        backend: chosen.backend(),
+        method: arguments.solver,
+        max_iterations: arguments.max_iterations,
+        sums: arguments.solver == Method::LevenbergMarquardt,
+        progress,
+    }
+}
+
+fn estimate(arguments: &Arguments, scenes: &[Scene], chosen: &Chosen) -> crate::Result<SceneFit> {
+    let renders = TYPICAL_RENDERS * (scenes.len() * scenes[0].object.len()) as u64;
+    let progress = Progress::new("fitting", "renders", renders);
+    let tick = || progress.add(1);
+    let (settings, filter) = (settings_of(arguments, chosen, &tick), arguments.rendering.filter);
+    match arguments.rendering.model {
+        WantedModel::This(_) => fit_scenes(scenes, &settings, filter),
+        WantedModel::Auto => climb(scenes, &settings, filter, arguments.tolerance),
+    }
+}
+
+/// The intervals that `--profile` and `--bootstrap` ask for.
+fn add_intervals(
+    arguments: &Arguments,
+    scenes: &[Scene],
+    chosen: &Chosen,
+    fit: &mut SceneFit,
+) -> crate::Result<()> {
+    let filter = arguments.rendering.filter;
+    if arguments.profile {
+        let progress = Progress::uncounted("profile likelihood");
+        fit.add_intervals("profile95", scenes, filter, |data, channel, options| {
+            let tick = || progress.add(1);
+            let settings = settings_of(arguments, chosen, &tick);
+            profile(data, channel, options, &Settings { model: channel.model, ..settings })
+        })?;
+    }
+    if arguments.bootstrap > 0 {
+        let refits = (arguments.bootstrap * scenes[0].object.len()) as u64;
+        let progress = Progress::new("bootstrap", "fits", refits);
+        let draws = (arguments.bootstrap, arguments.seed);
+        fit.add_intervals("bootstrap95", scenes, filter, |data, channel, options| {
+            let settings = Settings { model: channel.model, ..settings_of(arguments, chosen, &|| ()) };
+            bootstrap(data, channel, options, &settings, draws, &|| progress.add(1))
+        })?;
+    }
+    Ok(())
+}
+
 /// The table for people goes to stdout, or to stderr if stdout is for the JSON.
 fn tell(arguments: &Arguments, fit: &SceneFit, chosen: &Chosen) -> Result<()> {
     let report = &fit.report;
-    let mut text = String::new();
-    let rows = report.table("1/length");
-    let width = |c: usize| rows.iter().map(|r| r[c].chars().count()).max().unwrap_or(0);
-    for row in &rows {
-        let cells: Vec<String> =
-            row.iter().enumerate().map(|(c, cell)| format!("{cell:<w$}", w = width(c))).collect();
-        text += &format!("{}\n", cells.join("   ").trim_end());
-    }
+    let mut text = aligned(&report.table("1/length"));
     report.remarks().iter().for_each(|line| text += &format!("{line}\n"));
     text += &format!("{}\n", how_it_went(arguments, fit, chosen));
     report.ladder.iter().for_each(|rung| text += &format!("{}\n", rung.line()));

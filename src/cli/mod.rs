@@ -1,7 +1,9 @@
 //! The command line: one file a command.
 
 mod backend;
+mod calibrate;
 mod fit;
+mod forecast;
 mod kernel;
 mod options;
 pub mod progress;
@@ -32,6 +34,8 @@ struct Arguments {
 enum Command {
     /// Estimate sigma_s, sigma_a and B from one or more observed scenes that share a medium
     Fit(fit::Arguments),
+    /// Tell the errors and correlations that a planned measurement will have
+    Forecast(forecast::Arguments),
     /// Render a scene through its medium with a spread model
     Render(render::Arguments),
     /// Synthesize a scene's image: direct and scattered light of the object, and the veil of the illumination
@@ -42,8 +46,22 @@ enum Command {
     Kernel(kernel::Arguments),
     /// Make the paper's experiments again: its figures as PNG and SVG, with their numbers as CSV
     Reproduce(reproduce::Arguments),
+    /// Fit noisy images of known media again and again: do the error bars hold the truth as often as they say?
+    Calibrate(calibrate::Arguments),
     /// Make the table behind the model wide-angle from scratch
     Table(table::Arguments),
+}
+
+/// The rows of a table as lines, in columns.
+fn aligned(rows: &[Vec<String>]) -> String {
+    let width =
+        |c: usize| rows.iter().filter_map(|r| r.get(c)).map(|cell| cell.chars().count()).max().unwrap_or(0);
+    let line = |row: &Vec<String>| {
+        let cells: Vec<String> =
+            row.iter().enumerate().map(|(c, cell)| format!("{cell:<w$}", w = width(c))).collect();
+        format!("{}\n", cells.join("   ").trim_end())
+    };
+    rows.iter().map(line).collect()
 }
 
 /// Writes `text` to stdout. A reader that has gone away is not an error.
@@ -59,11 +77,13 @@ fn say(text: &str) -> crate::Result<()> {
 pub fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Fit(arguments) => fit::run(&arguments),
+        Command::Forecast(arguments) => forecast::run(&arguments),
         Command::Render(arguments) => render::run(&arguments),
         Command::Synthesize(arguments) => synthesize::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
         Command::Kernel(arguments) => kernel::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
+        Command::Calibrate(arguments) => calibrate::run(&arguments),
         Command::Table(arguments) => table::run(&arguments),
     };
     done.unwrap_or_else(|error| {

@@ -8,6 +8,7 @@ mod comparison;
 mod datum;
 mod equations;
 mod exposure;
+mod intervals;
 mod model_error;
 mod observed;
 mod parameters;
@@ -18,12 +19,15 @@ mod start;
 mod sums;
 mod uncertainty;
 
+pub mod forecast;
 pub mod ladder;
+pub mod noise;
 pub mod report;
 pub mod scenes;
 
 pub use datum::{Datum, VeilTerm};
 pub use exposure::Exposure;
+pub use intervals::{Intervals, bootstrap, profile};
 pub use model_error::ModelError;
 pub use parameters::{Bounds, NAMES, Parameters, PathLengths};
 
@@ -80,6 +84,8 @@ impl Default for Settings<'_> {
 /// The fit of one channel.
 #[derive(Debug, Clone)]
 pub struct ChannelFit {
+    /// The spread model.
+    pub model: Model,
     /// Where the fit began.
     pub start: [f64; 3],
     /// sigma_s, sigma_a (1/length) and B (rad²) found, with what was free and the bounds.
@@ -280,6 +286,7 @@ fn fit_from<'a>(
                 uncertainty.distrust(|i| error.reference_of(&Vector3::ith(i, 1.0)), median_z);
             }
             return Ok(ChannelFit {
+                model: settings.model,
                 start,
                 model_error,
                 renders: images,

@@ -163,7 +163,7 @@ impl Parameters {
     }
 
     /// Whether parameter `i` moves in logarithm.
-    pub(super) fn is_logarithmic(i: usize) -> bool {
+    pub fn is_logarithmic(i: usize) -> bool {
         LOGARITHMIC[i]
     }
 

@@ -168,6 +168,17 @@ impl FitReport {
             self.correlations.iter().filter_map(|(key, v)| Some(format!("{key} {:+.3}", v.as_f64()?)));
         let known: Vec<String> = known.collect();
         let mut lines = Vec::new();
+        for (key, how) in [("profile95", "profile likelihood"), ("bootstrap95", "bootstrap")] {
+            let end = |v: &Value| v.as_f64().map_or_else(|| "open".to_string(), significant);
+            let interval = |(name, p): (&String, &Value)| {
+                let ends = p.get(key)?.as_array()?;
+                Some(format!("{name} {} … {}", end(&ends[0]), end(&ends[1])))
+            };
+            let found: Vec<String> = self.parameters.iter().filter_map(interval).collect();
+            if !found.is_empty() {
+                lines.push(format!("95 % by {how}: {}", found.join(";  ")));
+            }
+        }
         if !known.is_empty() {
             lines.push(format!("correlations: {}", known.join(";  ")));
         }

@@ -1,13 +1,13 @@
 //! Fitting scene files: one fit a channel, over all scenes.
 
 use super::report::FitReport;
-use super::{ChannelFit, Datum, Parameters, Settings, VeilTerm, fit_channel, path_lengths};
+use super::{ChannelFit, Datum, Intervals, NAMES, Parameters, Settings, VeilTerm, fit_channel, path_lengths};
 use crate::error::{Error, Result};
 use crate::filter::{Filter, Target};
 use crate::geometry::Geometry;
 use crate::image::{Channel, Image};
 use crate::relief::Relief;
-use crate::scene::{Scene, Veil};
+use crate::scene::{FitOptions, Scene, Veil};
 use std::time::Instant;
 
 /// The fits of all channels, the images that they leave, and the report.
@@ -35,6 +35,29 @@ impl SceneFit {
             Some(Channel { name: name.clone(), image: fit.hidden_shares[scene].clone()? })
         };
         self.channels.iter().map(channel).collect()
+    }
+
+    /// Adds to the report, under `key` of each parameter, the intervals that `find` makes of each channel's data, fit and
+    /// options.
+    ///
+    /// # Errors
+    /// Those of `find`.
+    pub fn add_intervals(
+        &mut self,
+        key: &str,
+        scenes: &[Scene],
+        filter: Filter,
+        mut find: impl FnMut(&[Datum], &ChannelFit, &FitOptions) -> Result<Intervals>,
+    ) -> Result<()> {
+        let reliefs = reliefs(scenes, filter);
+        for (i, (name, fit)) in self.channels.iter().enumerate() {
+            let intervals = find(&data(scenes, &reliefs, i), fit, &scenes[0].fit[i])?;
+            let suffix = if self.channels.len() == 1 { String::new() } else { format!(".{name}") };
+            for (parameter, interval) in NAMES.iter().zip(intervals) {
+                self.report.parameters[&format!("{parameter}{suffix}")][key] = serde_json::json!(interval);
+            }
+        }
+        Ok(())
     }
 
     /// Whether some light of some scene may be hidden, be it enough to leave pixels out or not.

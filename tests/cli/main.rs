@@ -3,6 +3,7 @@
 mod bad_input;
 mod fit;
 mod render;
+mod studies;
 mod synthesize;
 mod workshop;
 

@@ -1,10 +1,9 @@
 //! Scenes and comparators shared by the tests.
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
+pub use narrowbeam::fit::noise::with_noise;
 use narrowbeam::geometry::{Camera, Field, Geometry};
 use narrowbeam::image::Image;
-use rand_core::Rng;
-use rand_xoshiro::{Xoshiro256PlusPlus, rand_core::SeedableRng};
 
 /// A texture with edges and smooth parts, positive.
 pub fn texture(width: usize, height: usize) -> Image {
@@ -29,14 +28,6 @@ pub fn sloping(width: usize, height: usize, pixel_pitch: f64, mean_depth: f64, s
         behind: Vec::new(),
         surface: Field::Uniform(0.0),
     }
-}
-
-/// Adds normal noise (Box-Muller) of standard deviation `noise`.
-pub fn with_noise(image: &Image, noise: f64, seed: u64) -> Image {
-    let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
-    let mut uniform = || ((rng.next_u64() >> 11) as f64 + 0.5) / (1u64 << 53) as f64;
-    let mut normal = || (-2.0 * uniform().ln()).sqrt() * (std::f64::consts::TAU * uniform()).cos();
-    Image { data: image.data.iter().map(|v| v + (noise * normal()) as f32).collect(), ..image.clone() }
 }
 
 /// Relative L2 distance of `a` from `b`.

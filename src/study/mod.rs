@@ -1,0 +1,7 @@
+//! Studies of the estimation itself, on planes behind media that are known: whether its error bars hold, where each model
+//! fails and whether it says so, and what accuracy costs.
+
+pub mod calibration;
+pub mod setting;
+
+pub use setting::{Setting, Texture};
