@@ -42,15 +42,21 @@ def medium_slab(medium, front, back, half_width):
     }
 
 
-def phase_table(b):
-    """Return p(theta) ∝ exp(-theta²/(4b)) at nodes regular in cos theta, -1 to 1 (forward).
+def phase_nodes(b):
+    """Return the cosines at which a lobe of width `b` is tabulated, regular from -1 to 1 (forward).
 
-    exp(-(1 - cos theta)/(2b)) is nearly the same function, and its width in cos theta is 2b: with
-    fifty nodes to this width linear interpolation errs by 3e-5. Mitsuba normalises the table and
-    cannot read denormal numbers.
+    exp(-(1 - cos theta)/(2b)) is nearly the lobe, and its width in cos theta is 2b: with fifty
+    nodes to this width linear interpolation errs by 3e-5.
     """
-    nodes = max(8001, math.ceil(50 / b) + 1)
-    theta = np.arccos(np.linspace(-1, 1, nodes))
+    return np.linspace(-1, 1, max(8001, math.ceil(50 / b) + 1))
+
+
+def phase_table(b):
+    """Return p(theta) ∝ exp(-theta²/(4b)) at these nodes, as text.
+
+    Mitsuba normalises the table and cannot read denormal numbers.
+    """
+    theta = np.arccos(phase_nodes(b))
     values = np.maximum(np.exp(-(theta**2) / (4 * b)), 1e-30)
     return ", ".join(f"{v:.8e}" for v in values)
 

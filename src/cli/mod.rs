@@ -9,6 +9,7 @@ mod options;
 pub mod progress;
 mod render;
 mod reproduce;
+mod stability;
 mod synthesize;
 mod table;
 mod trace;
@@ -48,6 +49,8 @@ enum Command {
     Reproduce(reproduce::Arguments),
     /// Fit noisy images of known media again and again: do the error bars hold the truth as often as they say?
     Calibrate(calibrate::Arguments),
+    /// Map where each method fails, and whether it says so
+    Stability(stability::Arguments),
     /// Make the table behind the model wide-angle from scratch
     Table(table::Arguments),
 }
@@ -84,6 +87,7 @@ pub fn main() -> ExitCode {
         Command::Kernel(arguments) => kernel::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
         Command::Calibrate(arguments) => calibrate::run(&arguments),
+        Command::Stability(arguments) => stability::run(&arguments),
         Command::Table(arguments) => table::run(&arguments),
     };
     done.unwrap_or_else(|error| {

@@ -3,5 +3,7 @@
 
 pub mod calibration;
 pub mod setting;
+pub mod stability;
+pub mod sweeps;
 
 pub use setting::{Setting, Texture};

@@ -1,5 +1,5 @@
 //! Scenes and comparators shared by the tests.
-#![allow(dead_code, reason = "each test binary uses its own part")]
+#![allow(dead_code, unused_imports, reason = "each test binary uses its own part")]
 
 pub use narrowbeam::fit::noise::with_noise;
 use narrowbeam::geometry::{Camera, Field, Geometry};

@@ -1,0 +1,228 @@
+//! Where each method fails, and whether it says so.
+//!
+//! Images are traced: paths in three dimensions, which share nothing with the models but the medium. A *silent failure* is an
+//! estimate more than four standard errors and more than the stated model error away from the truth, without a warning that
+//! bears on it, and not called undetermined or refused.
+
+use super::setting::Setting;
+use crate::error::Result;
+use crate::filter::Filter;
+use crate::fit::ladder::climb;
+use crate::fit::scenes::{SceneFit, fit_scenes};
+use crate::fit::{Method as Solver, NAMES, Parameters, Settings, Status};
+use crate::scene::Scene;
+use crate::spread::Model;
+use nalgebra::Vector3;
+use std::time::Instant;
+
+/// Standard errors beyond which an error is no accident.
+const FAILURE: f64 = 4.0;
+/// Standard errors within which an estimate is right.
+const RIGHT: f64 = 3.0;
+/// `--tolerance` of the automatic choice of a model.
+const TOLERANCE: f64 = 0.01;
+
+/// A model, or the automatic choice of one, with a solver.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Method {
+    /// `None` lets the program choose.
+    pub model: Option<Model>,
+    /// The optimiser.
+    pub solver: Solver,
+}
+
+impl Method {
+    /// `model` with Levenberg-Marquardt.
+    pub const fn of(model: Model) -> Self {
+        Self { model: Some(model), solver: Solver::LevenbergMarquardt }
+    }
+
+    /// The automatic choice with Levenberg-Marquardt.
+    pub const AUTO: Self = Self { model: None, solver: Solver::LevenbergMarquardt };
+
+    /// Name in tables and maps.
+    pub fn name(self) -> String {
+        let model = self.model.map_or("auto", Model::name);
+        match self.solver {
+            Solver::LevenbergMarquardt => model.to_string(),
+            Solver::NelderMead => format!("{model}, nelder-mead"),
+        }
+    }
+
+    /// Fits `scene` and holds the outcome against the `truth`; `compared` are the parameters that have one.
+    pub fn try_on(self, scene: &Scene, setting: &Setting, compared: [bool; 3]) -> Outcome {
+        let clock = Instant::now();
+        let settings = Settings {
+            model: self.model.unwrap_or(Model::SmallAngle),
+            method: self.solver,
+            sums: self.solver == Solver::LevenbergMarquardt,
+            ..Settings::default()
+        };
+        let scenes = std::slice::from_ref(scene);
+        let fit = match self.model {
+            Some(_) => fit_scenes(scenes, &settings, Filter::Auto),
+            None => climb(scenes, &settings, Filter::Auto, TOLERANCE),
+        };
+        let mut outcome = Outcome::new(fit, setting, compared);
+        outcome.seconds = clock.elapsed().as_secs_f64();
+        outcome
+    }
+}
+
+/// What is known of one parameter after a fit; errors in ln sigma_s, sigma_a z and ln B.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Found {
+    /// Estimate minus truth.
+    pub error: f64,
+    /// Standard error by the noise and by what is known of the input.
+    pub std_error: f64,
+    /// Stated error of the model.
+    pub model_error: f64,
+    /// Whether the 95 % interval holds the truth.
+    pub held: bool,
+}
+
+impl Found {
+    /// Whether the error is more than what was stated allows.
+    fn is_failure(&self) -> bool {
+        self.error.abs() > FAILURE * self.std_error && self.error.abs() > self.model_error
+    }
+}
+
+/// How a fit ended.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Outcome {
+    /// The model that was fitted or chosen.
+    pub model: String,
+    /// Each parameter that was determined and has a truth.
+    pub found: [Option<Found>; 3],
+    /// Whether some parameter was called undetermined.
+    pub undetermined: bool,
+    /// Codes of warnings, but for `undetermined`.
+    pub warnings: Vec<&'static str>,
+    /// Why there is no fit.
+    pub refused: Option<String>,
+    /// Time that it took, seconds.
+    pub seconds: f64,
+}
+
+impl Outcome {
+    fn new(fit: Result<SceneFit>, setting: &Setting, compared: [bool; 3]) -> Self {
+        let fit = match fit {
+            Ok(fit) => fit,
+            Err(error) => return Self { refused: Some(error.to_string()), ..Self::default() },
+        };
+        let channel = &fit.channels[0].1;
+        let found = |i: usize| {
+            let std_error = channel.uncertainty.std_error(i).filter(|_| compared[i])?;
+            let (value, truth) = (channel.parameters.values()[i], setting.truth()[i]);
+            let z = if Parameters::is_logarithmic(i) { 1.0 } else { setting.z };
+            let error =
+                if Parameters::is_logarithmic(i) { (value / truth).ln() } else { (value - truth) * z };
+            let interval = &fit.report.parameters[NAMES[i]]["ci95"];
+            let end = |e: usize| interval[e].as_f64().unwrap_or(f64::NAN);
+            Some(Found {
+                error,
+                std_error: z * std_error,
+                model_error: z * channel.model_error.map_or(0.0, |m| m.of(&Vector3::ith(i, 1.0))),
+                held: end(0) <= truth && truth <= end(1),
+            })
+        };
+        Self {
+            model: fit.report.model.to_string(),
+            found: std::array::from_fn(found),
+            undetermined: (0..3).any(|i| channel.uncertainty.status(i) == Status::Undetermined),
+            warnings: fit
+                .report
+                .warnings
+                .iter()
+                .map(|w| w.code)
+                .filter(|&code| code != "undetermined")
+                .collect(),
+            refused: None,
+            seconds: 0.0,
+        }
+    }
+
+    /// The largest error of a parameter; `None` if none was determined.
+    pub fn worst(&self) -> Option<f64> {
+        self.found.iter().flatten().map(|f| f.error.abs()).reduce(f64::max)
+    }
+
+    /// Whether something is wrong without a word.
+    pub fn is_silent_failure(&self) -> bool {
+        self.warnings.is_empty() && self.found.iter().flatten().any(Found::is_failure)
+    }
+
+    /// Whether all is determined and right to within the noise: then nothing should be warned of.
+    pub fn is_right(&self) -> bool {
+        self.refused.is_none()
+            && !self.undetermined
+            && self.found.iter().flatten().all(|f| f.error.abs() <= RIGHT * f.std_error)
+    }
+
+    /// Whether all is right but a warning was given all the same.
+    pub fn cries_wolf(&self) -> bool {
+        self.is_right() && !self.warnings.is_empty()
+    }
+
+    /// One word for maps and tables.
+    pub fn verdict(&self) -> Verdict {
+        match self {
+            _ if self.refused.is_some() => Verdict::Refused,
+            _ if self.is_silent_failure() => Verdict::Silent,
+            _ if self.cries_wolf() => Verdict::Wolf,
+            _ if !self.warnings.is_empty() => Verdict::Warned,
+            _ if self.undetermined => Verdict::Undetermined,
+            _ => Verdict::Right,
+        }
+    }
+}
+
+/// How a fit ended, in one word.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Verdict {
+    /// Within what was stated.
+    Right,
+    /// Within three standard errors, but warned of.
+    Wolf,
+    /// Not determined, and said to be.
+    Undetermined,
+    /// Warned of.
+    Warned,
+    /// Not fitted, with a reason.
+    Refused,
+    /// Wrong, without a word.
+    Silent,
+}
+
+impl Verdict {
+    /// Name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Right => "right",
+            Self::Wolf => "right, but warned of",
+            Self::Undetermined => "undetermined",
+            Self::Warned => "warned of",
+            Self::Refused => "refused",
+            Self::Silent => "silent failure",
+        }
+    }
+}
+
+/// One fit.
+#[derive(Debug, Clone)]
+pub struct Trial {
+    /// The name of the sweep that it belongs to.
+    pub sweep: &'static str,
+    /// Where it stands on that sweep.
+    pub level: f64,
+    /// That in words, where a number does not say it.
+    pub label: String,
+    /// The plane and its medium.
+    pub setting: Setting,
+    /// How it was fitted.
+    pub method: Method,
+    /// How that ended.
+    pub outcome: Outcome,
+}
