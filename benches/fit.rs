@@ -64,6 +64,8 @@ fn fit(c: &mut Criterion) {
             observed: &observed,
             mask: None,
             hidden_share_max: 0.01,
+            gain_error: 0.0,
+            depth_error: 0.0,
             noise: None,
             gain: Gain::Fixed(1.0),
             veil: VeilTerm::Fixed(0.0),

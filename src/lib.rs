@@ -59,7 +59,10 @@
 //!
 //! // The medium back from the two images.
 //! let (gain, veil) = (Gain::Fixed(1.0), VeilTerm::Fixed(0.0));
-//! let datum = Datum { target, observed: &observed, mask: None, hidden_share_max: 0.01, noise: None, gain, veil };
+//! let datum = Datum {
+//!     target, observed: &observed, mask: None, hidden_share_max: 0.01, noise: None,
+//!     gain, gain_error: 0.0, depth_error: 0.0, veil,
+//! };
 //! let fit = fit_channel(&[datum], &FitOptions::default(), &Settings::default())?;
 //! let [sigma_s, sigma_a, b] = fit.parameters.values();
 //! assert!(fit.converged);

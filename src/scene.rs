@@ -33,6 +33,8 @@ pub struct Scene {
     pub behind: Vec<Vec<Image>>,
     /// Camera, object distance, medium surface.
     pub geometry: Geometry,
+    /// Relative standard error of all depths together.
+    pub depth_error: f64,
     /// What lies outside the object image.
     pub border: Border,
     /// The part of the object image that is observed, rendered or traced.
@@ -110,6 +112,8 @@ pub struct Observation {
     pub mask: Option<Image>,
     /// Exposure.
     pub gain: Gain,
+    /// Relative standard error of a gain that is given.
+    pub gain_error: f64,
     /// Light scattered in from the illumination.
     pub veil: Veil,
     /// Largest hidden share of a pixel that counts: the share of its light that may come from behind nearer surfaces,

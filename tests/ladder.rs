@@ -64,6 +64,7 @@ impl Regime {
             shading: None,
             behind: vec![Vec::new()],
             geometry,
+            depth_error: 0.0,
             border: Border::Zero,
             view: View::whole(SIDE, SIDE),
             observation: Some(Observation {
@@ -73,6 +74,7 @@ impl Regime {
                 mask: None,
                 gain: Gain::Fixed(1.0),
                 veil: Veil::Fixed(0.0),
+                gain_error: 0.0,
                 hidden_share_max: 0.01,
             }),
             medium: vec![PartialMedium::default()],

@@ -123,6 +123,8 @@ impl Made {
             observed: &self.observed,
             mask: None,
             hidden_share_max: 0.01,
+            gain_error: 0.0,
+            depth_error: 0.0,
             noise: None,
             gain: Gain::Fixed(1.0),
             veil: VeilTerm::Fixed(0.0),

@@ -30,6 +30,10 @@ pub struct Datum<'a> {
     pub noise: Option<f64>,
     /// Exposure.
     pub gain: Gain,
+    /// Relative standard error of a gain that is given.
+    pub gain_error: f64,
+    /// Relative standard error of all depths together.
+    pub depth_error: f64,
     /// Veil.
     pub veil: VeilTerm<'a>,
 }

@@ -44,6 +44,7 @@ pub fn forecast(
             mask: None,
             gain: if plan.free_gain { Gain::Free } else { Gain::Fixed(1.0) },
             veil: if plan.free_veil { Veil::Free } else { Veil::Fixed(0.0) },
+            gain_error: 0.0,
             hidden_share_max: 0.01,
         });
         scene.fit = scene.fit.iter().zip(media).map(|(options, medium)| at(options, medium)).collect();

@@ -6,8 +6,10 @@
 
 mod comparison;
 mod datum;
+mod displacement;
 mod equations;
 mod exposure;
+mod input_error;
 mod intervals;
 mod model_error;
 mod observed;
@@ -16,6 +18,7 @@ mod renders;
 mod search;
 mod solver;
 mod start;
+mod structure;
 mod sums;
 mod uncertainty;
 
@@ -27,6 +30,7 @@ pub mod scenes;
 
 pub use datum::{Datum, VeilTerm};
 pub use exposure::Exposure;
+pub use input_error::InputError;
 pub use intervals::{Intervals, bootstrap, profile};
 pub use model_error::ModelError;
 pub use parameters::{Bounds, NAMES, Parameters, PathLengths};
@@ -43,6 +47,7 @@ use crate::phase::Gaussian;
 use crate::relief::Relief;
 use crate::scene::{FitOptions, Gain};
 use crate::spread::Model;
+use displacement::Displacement;
 use equations::{NormalEquations, Products};
 use exposure::exposures;
 use nalgebra::Vector3;
@@ -94,6 +99,10 @@ pub struct ChannelFit {
     pub uncertainty: Uncertainty,
     /// What the model's own error does to them; `None` where it is not known.
     pub model_error: Option<ModelError>,
+    /// What errors of the input do to them.
+    pub input_error: InputError,
+    /// By how many standard deviations blocks of residuals exceed what noise leaves in them.
+    pub structure: f64,
     /// Gain, veil, noise and chi² of each scene.
     pub exposures: Vec<Exposure>,
     /// Half the sum of squared residuals in units of the noise.
@@ -144,6 +153,12 @@ impl ChannelFit {
     /// that is known, or held at its estimate.
     pub fn aic(&self) -> f64 {
         2.0 * self.cost + 2.0 * self.fitted as f64
+    }
+
+    /// Variance of the linear function `gradient`·u of the coordinates by noise and by errors of the input; `None` if the
+    /// data do not decide it.
+    pub fn variance_of(&self, gradient: &Vector3<f64>) -> Option<f64> {
+        Some(self.uncertainty.variance_of(gradient)? + self.input_error.variance_of(gradient))
     }
 
     /// Bayesian information criterion, chi² + k ln n over n pixels (Schwarz 1978).
@@ -275,13 +290,19 @@ fn fit_from<'a>(
             let mut uncertainty = Uncertainty::new(&last, &parameters, median_z, inflation);
             let exposures = exposures(&last, &observed, Some(&uncertainty));
             let transforms = renders.transforms();
-            let model_error = ModelError::new(
-                (data, &observed),
-                &mut renders,
-                (&parameters, &uncertainty),
-                &exposures,
+            let mut at_optimum = Displacement {
+                data,
+                observed: &observed,
+                renders: &mut renders,
+                parameters: &parameters,
+                uncertainty: &uncertainty,
+                exposures: &exposures,
                 settings,
-            )?;
+            };
+            let model_error = ModelError::new(&mut at_optimum)?;
+            let input_error = InputError::new(&mut at_optimum)?;
+            let structures = observed.iter().zip(&images).map(|(o, image)| structure::structure(o, image));
+            let structure = structures.fold(0.0, f64::max);
             if let Some(error) = &model_error {
                 uncertainty.distrust(|i| error.reference_of(&Vector3::ith(i, 1.0)), median_z);
             }
@@ -289,6 +310,8 @@ fn fit_from<'a>(
                 model: settings.model,
                 start,
                 model_error,
+                input_error,
+                structure,
                 renders: images,
                 hidden_shares,
                 exposures,
@@ -345,8 +368,15 @@ fn foresee<'a>(
     let problem = Problem::new(Source::Renders(&renders), &observed, &parameters, settings);
     let equations = problem.equations(&parameters.internal())?;
     let uncertainty = Uncertainty::new(&equations, &parameters, pilot.median_z, 1.0);
-    let at = (&parameters, &uncertainty);
-    let error = ModelError::new((data, &observed), &mut renders, at, &pilot.exposures, settings)?;
+    let error = ModelError::new(&mut Displacement {
+        data,
+        observed: &observed,
+        renders: &mut renders,
+        parameters: &parameters,
+        uncertainty: &uncertainty,
+        exposures: &pilot.exposures,
+        settings,
+    })?;
     Ok(Some((parameters, uncertainty, error)))
 }
 

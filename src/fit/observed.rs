@@ -99,6 +99,11 @@ impl<'a> Observed<'a> {
         other
     }
 
+    /// Whether pixel `i` of the view counts.
+    pub(super) fn counts(&self, i: usize) -> bool {
+        self.counts[i]
+    }
+
     pub(super) fn pixels(&self) -> usize {
         self.pixels.len()
     }

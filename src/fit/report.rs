@@ -37,6 +37,8 @@ pub struct ParameterReport {
     pub relative_error: Option<f64>,
     /// Error of the model itself at this scene, [`ModelError`](super::ModelError); `None` where it is not known.
     pub model_error: Option<f64>,
+    /// Standard error by what is said of depths and gains.
+    pub input_error: Option<f64>,
     /// 95 % interval.
     pub ci95: Option<[f64; 2]>,
     /// Free, fixed or undetermined.
@@ -226,11 +228,12 @@ fn parameter(fit: &ChannelFit, i: usize) -> ParameterReport {
     let absent = fit.parameters.is_placeholder(i);
     let status = if given { Status::Fixed } else { fit.uncertainty.status(i) };
     let error = fit.uncertainty.std_error(i);
+    let input_error = error.map(|_| fit.input_error.variance_of(&Vector3::ith(i, 1.0)).sqrt());
     let logarithmic = i != 1;
     let model_error = error.and(fit.model_error.as_ref()).map(|m| m.of(&Vector3::ith(i, 1.0)));
     let interval = |e: f64| {
         let [low, high] = fit.parameters.bounds(i);
-        let half = Z95 * e + model_error.unwrap_or(0.0);
+        let half = Z95 * e.hypot(input_error.unwrap_or(0.0)) + model_error.unwrap_or(0.0);
         let ends = if logarithmic {
             [value * (-half).exp(), value * half.exp()]
         } else {
@@ -243,6 +246,7 @@ fn parameter(fit: &ChannelFit, i: usize) -> ParameterReport {
         std_error: error.map(|e| if logarithmic { e * value } else { e }),
         relative_error: error.filter(|_| value > 0.0).map(|e| if logarithmic { e } else { e / value }),
         model_error: model_error.map(|e| if logarithmic { e * value } else { e }),
+        input_error: input_error.map(|e| if logarithmic { e * value } else { e }),
         ci95: error.map(interval),
         status,
         start: (!absent).then_some(fit.start[i]),
@@ -253,9 +257,8 @@ fn parameter(fit: &ChannelFit, i: usize) -> ParameterReport {
 fn derived(fit: &ChannelFit, model: Model) -> Vec<(&'static str, Value)> {
     let [sigma_s, sigma_a, b] = fit.parameters.values();
     let medium = Medium::new(sigma_s, sigma_a).expect("parameters stay in their range");
-    let error = |gradient: [f64; 3], scale: f64| {
-        fit.uncertainty.variance_of(&Vector3::from(gradient)).map(|v| v.sqrt() * scale)
-    };
+    let error =
+        |gradient: [f64; 3], scale: f64| fit.variance_of(&Vector3::from(gradient)).map(|v| v.sqrt() * scale);
     let z = fit.median_z;
     let sigma_t = json!({ "value": medium.sigma_t(), "std_error": error([sigma_s, 1.0, 0.0], 1.0) });
     let mut all = vec![("sigma_t", sigma_t)];

@@ -156,6 +156,8 @@ fn datum<'a>(scene: &'a Scene, relief: Option<&'a Relief>, i: usize) -> Datum<'a
         hidden_share_max: observation.hidden_share_max,
         noise: observation.noise,
         gain: observation.gain,
+        gain_error: observation.gain_error,
+        depth_error: scene.depth_error,
         veil: match &observation.veil {
             Veil::Fixed(v) => VeilTerm::Fixed(*v),
             Veil::Image(channels) => VeilTerm::Image(&channels[i].image),

@@ -140,6 +140,7 @@ pub fn scene(side: usize) -> Result<(Scene, [MediumValues; 3])> {
             behind: Vec::new(),
             surface: Field::Map(image(&|x, y| -origin(x, y).z / along.z)),
         },
+        depth_error: 0.0,
         border: Border::Clamp,
         view: View::whole(side, side),
         observation: None,

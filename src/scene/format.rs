@@ -36,6 +36,8 @@ pub(super) struct ObjectSection {
     #[serde(default)]
     pub depth_kind: DepthKind,
     #[serde(default)]
+    pub depth_error: f64,
+    #[serde(default)]
     pub surface: NumberOrFile,
     #[serde(default)]
     pub border: Border,
@@ -76,6 +78,8 @@ pub(super) struct ObservationSection {
     pub mask: Option<PathBuf>,
     #[serde(default)]
     pub gain: NumberOrFree,
+    #[serde(default)]
+    pub gain_error: f64,
     #[serde(default)]
     pub veil: VeilValue,
     pub hidden_share_max: Option<f64>,

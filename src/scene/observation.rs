@@ -110,6 +110,7 @@ pub(super) fn read_observation(
         NumberOrFree::Number(v) => Gain::Fixed(source.positive("[observation] gain", v)?),
         NumberOrFree::Free => Gain::Free,
     };
+    let gain_error = source.relative_error("[observation] gain_error", section.gain_error)?;
     let veil = match &section.veil {
         VeilValue::Number(v) => Veil::Fixed(source.finite("[observation] veil", *v)?),
         VeilValue::Free => Veil::Free,
@@ -121,7 +122,7 @@ pub(super) fn read_observation(
     let ok = share > 0.0 && share <= 1.0;
     let key = "[observation] hidden_share_max";
     let hidden_share_max = source.in_range(key, share, ok, "above 0 and at most 1")?;
-    Ok(Observation { path, image, noise, mask, gain, veil, hidden_share_max })
+    Ok(Observation { path, image, noise, mask, gain, gain_error, veil, hidden_share_max })
 }
 
 fn read_mask(path: &Path, observed: (&Path, (usize, usize))) -> Result<Image> {

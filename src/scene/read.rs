@@ -43,6 +43,7 @@ impl Scene {
         let kind = file.object.depth_kind;
         let mut geometry = geometry(path, camera, size, (depth, surface), kind)?;
         let behind = read_layers(&source, &file.object.layer, kind, (&object_path, &object), &mut geometry)?;
+        let depth_error = source.relative_error("[object] depth_error", file.object.depth_error)?;
         let border = file.object.border;
         let view = view(&source, section, size, purpose)?;
         let observation = match purpose {
@@ -65,6 +66,7 @@ impl Scene {
             shading,
             behind,
             geometry,
+            depth_error,
             border,
             view,
             observation,

@@ -34,6 +34,16 @@ impl Source<'_> {
         self.in_range(key, value, value.is_finite() && value >= 0.0, "finite and at least 0")
     }
 
+    /// `value` if it can be the relative standard error of something: at least 0 and below 1.
+    pub fn relative_error(&self, key: &str, value: f64) -> Result<f64> {
+        self.in_range(
+            key,
+            value,
+            (0.0..1.0).contains(&value),
+            "at least 0 and below 1: a relative standard error",
+        )
+    }
+
     /// `value` if it is finite.
     pub fn finite(&self, key: &str, value: f64) -> Result<f64> {
         self.in_range(key, value, value.is_finite(), "finite")

@@ -155,6 +155,7 @@ impl Setting {
             shading: None,
             behind: vec![Vec::new()],
             geometry: self.geometry()?,
+            depth_error: 0.0,
             border: Border::Zero,
             view: View::whole(self.side, self.side),
             observation: Some(Observation {
@@ -164,6 +165,7 @@ impl Setting {
                 mask: None,
                 gain: Gain::Fixed(1.0),
                 veil: Veil::Fixed(0.0),
+                gain_error: 0.0,
                 hidden_share_max: 0.01,
             }),
             medium: vec![PartialMedium::default()],

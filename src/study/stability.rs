@@ -1,8 +1,8 @@
 //! Where each method fails, and whether it says so.
 //!
 //! Images are traced: paths in three dimensions, which share nothing with the models but the medium. A *silent failure* is an
-//! estimate more than four standard errors and more than the stated model error away from the truth, without a warning that
-//! bears on it, and not called undetermined or refused.
+//! estimate that is farther from the truth than four standard errors and the stated model error together, which add up as in
+//! `ci95`, without a warning, and neither called undetermined nor refused.
 
 use super::setting::Setting;
 use crate::error::Result;
@@ -85,7 +85,7 @@ pub struct Found {
 impl Found {
     /// Whether the error is more than what was stated allows.
     fn is_failure(&self) -> bool {
-        self.error.abs() > FAILURE * self.std_error && self.error.abs() > self.model_error
+        self.error.abs() > FAILURE * self.std_error + self.model_error
     }
 }
 
@@ -123,7 +123,7 @@ impl Outcome {
             let end = |e: usize| interval[e].as_f64().unwrap_or(f64::NAN);
             Some(Found {
                 error,
-                std_error: z * std_error,
+                std_error: z * std_error.hypot(channel.input_error.variance_of(&Vector3::ith(i, 1.0)).sqrt()),
                 model_error: z * channel.model_error.map_or(0.0, |m| m.of(&Vector3::ith(i, 1.0))),
                 held: end(0) <= truth && truth <= end(1),
             })

@@ -227,11 +227,13 @@ impl Sweeps<'_> {
             let mut scene = self.noisy(&self.base, clean)?;
             let Setting { side, pixel_pitch, z, .. } = self.base;
             scene.geometry = Geometry::planar(side, side, pixel_pitch, z * (1.0 + error))?;
+            scene.depth_error = error;
             trials.extend(fits("depth error", (error, String::new()), &self.base, &scene, &SWEPT, [true; 3]));
 
             let mut brighter = clean.clone();
             brighter.data.iter_mut().for_each(|v| *v *= 1.0 + error as f32);
-            let scene = self.noisy(&self.base, &brighter)?;
+            let mut scene = self.noisy(&self.base, &brighter)?;
+            scene.observation.as_mut().expect("made with one").gain_error = error;
             trials.extend(fits("gain error", (error, String::new()), &self.base, &scene, &SWEPT, [true; 3]));
         }
         Ok(trials)

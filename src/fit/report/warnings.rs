@@ -2,6 +2,7 @@
 
 use super::{Warning, significant};
 use crate::filter::CUT;
+use crate::fit::structure::STRUCTURED;
 use crate::fit::uncertainty::Status;
 use crate::fit::{ChannelFit, MISFIT, NAMES};
 use crate::spread::{Model, SMALL_ANGLE_LIMIT, small_angle_error};
@@ -51,6 +52,17 @@ pub(super) fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warn
                 "reduced chi²{suffix} is {}: the image is not what {model} makes of this scene; the noise may be \
                  more than stated, the geometry or the object wrong, or the scenes' media different",
                 significant(fit.reduced_chi2)
+            ),
+        );
+    }
+    if fit.structure > STRUCTURED {
+        warn(
+            "structure",
+            format!(
+                "the residual{suffix} is not noise: averaged over blocks of pixels it is {:.0} standard deviations above \
+                 what noise leaves; the lobe may not be Gaussian, the medium not homogeneous, gain, veil or depth wrong, \
+                 pixels saturated; the intervals do not hold that",
+                fit.structure
             ),
         );
     }

@@ -1,0 +1,45 @@
+//! Whether what a fit leaves over is noise.
+//!
+//! Noise averages out over blocks of pixels; what a wrong model leaves does not. For white noise of any distribution that is
+//! symmetric, and of any variance that varies slowly, Q = (sum r)² / sum r² over the m pixels r of a block has mean 1, and for
+//! normal noise the variance 2 (m - 1) / (m + 2). So the noise need not be known.
+
+use super::observed::Observed;
+use crate::image::Image;
+
+/// Sides of the blocks, px.
+const BLOCKS_PX: [usize; 4] = [2, 4, 8, 16];
+/// Fewer blocks than this tell nothing.
+const FEWEST: usize = 4;
+/// Standard deviations by which the mean of Q exceeds 1 where the residual is said to have structure.
+pub(super) const STRUCTURED: f64 = 5.0;
+
+/// By how many standard deviations the mean of Q over all blocks exceeds 1, for the side of blocks where that is most.
+pub(super) fn structure(observed: &Observed, render: &Image) -> f64 {
+    BLOCKS_PX.iter().filter_map(|&side| excess(observed, render, side)).fold(0.0, f64::max)
+}
+
+fn excess(observed: &Observed, render: &Image, side: usize) -> Option<f64> {
+    let image = observed.datum.observed;
+    let (mut sum, mut blocks) = (0.0, 0);
+    for y in (0..image.height + 1 - side.min(image.height + 1)).step_by(side) {
+        for x in (0..image.width + 1 - side.min(image.width + 1)).step_by(side) {
+            let pixels = (0..side * side).map(|k| (y + k / side) * image.width + x + k % side);
+            if let Some(q) = quotient(observed, render, pixels) {
+                (sum, blocks) = (sum + q, blocks + 1);
+            }
+        }
+    }
+    let (m, n) = ((side * side) as f64, blocks as f64);
+    (blocks >= FEWEST).then(|| (sum - n) / (n * 2.0 * (m - 1.0) / (m + 2.0)).sqrt())
+}
+
+/// Q of one block; `None` if some pixel of it does not count, or all are met exactly.
+fn quotient(observed: &Observed, render: &Image, mut pixels: impl Iterator<Item = usize>) -> Option<f64> {
+    let image = observed.datum.observed;
+    let (sum, squares) = pixels.try_fold((0.0, 0.0), |(sum, squares), i| {
+        let r = f64::from(image.data[i]) - f64::from(render.data[i]);
+        observed.counts(i).then_some((sum + r, squares + r * r))
+    })?;
+    (squares > 0.0).then(|| sum * sum / squares)
+}
