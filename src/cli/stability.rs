@@ -1,10 +1,12 @@
 //! `narrowbeam stability`: where each method fails, and whether it says so.
 
+mod pictures;
+
 use super::progress::Progress;
 use super::{aligned, say};
 use crate::fit::NAMES;
 use crate::io::atomic;
-use crate::study::stability::{Trial, Verdict};
+use crate::study::stability::{Tally, Trial, Verdict};
 use crate::study::sweeps::{Extent, SWEEP_TRACES, grid, sweeps};
 use anyhow::Result;
 use std::path::PathBuf;
@@ -26,6 +28,9 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     atomic::create_dir(&arguments.out)?;
     let file = arguments.out.join("stability.csv");
+    for name in pictures::FILES {
+        atomic::check_writable(&arguments.out.join(name))?;
+    }
     atomic::check_writable(&file)?;
     let extent = if arguments.quick { Extent::quick() } else { Extent::full() };
     let images = (extent.tau.len() * extent.spread_angle_deg.len()) as u64 + SWEEP_TRACES;
@@ -35,7 +40,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     trials.extend(sweeps(&extent, arguments.seed, &tick)?);
     drop(progress);
     atomic::write(&file, csv(&trials).as_bytes())?;
-    say(&aligned(&summary(&trials)))?;
+    pictures::write(&arguments.out, &trials, &extent)?;
+    let Tally { fits, silent, right, wolves } = Tally::of(&trials);
+    say(&format!(
+        "{}{silent} of {fits} fits failed silently; {wolves} of {right} that are right, inside their model's validity and in \
+         a world that is what the scene says, carry a warning\n",
+        aligned(&summary(&trials))
+    ))?;
     Ok(ExitCode::SUCCESS)
 }
 

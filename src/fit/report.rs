@@ -273,7 +273,7 @@ fn derived(fit: &ChannelFit, model: Model) -> Vec<(&'static str, Value)> {
         let phase = Gaussian::new(b).expect("parameters stay in their range");
         all.push(("spread_angle_deg", json!(phase.spread_angle().to_degrees())));
         all.push(("g", json!(phase.mean_cosine())));
-        let gauge = Gauge::new(fit, &medium, b);
+        let gauge = Gauge::of(fit).expect("parameters stay in their range");
         all.push(("validity", json!(gauge.validity)));
         all.push(("scattered_share", json!(gauge.scattered_share)));
         all.push(("kernel_width_px", json!(gauge.kernel_width_px)));

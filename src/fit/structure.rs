@@ -14,8 +14,20 @@ const FEWEST: usize = 4;
 /// Standard deviations by which the mean of Q exceeds 1 where the residual is said to have structure.
 pub(super) const STRUCTURED: f64 = 5.0;
 
+/// Root mean square residual over that of the observation below which renders are no more exact than that.
+const RENDERED: f64 = 1e-4;
+
 /// By how many standard deviations the mean of Q over all blocks exceeds 1, for the side of blocks where that is most.
 pub(super) fn structure(observed: &Observed, render: &Image) -> f64 {
+    let image = observed.datum.observed;
+    let counted = (0..image.data.len()).filter(|&i| observed.counts(i));
+    let (residual, signal) = counted.fold((0.0, 0.0), |(residual, signal), i| {
+        let (y, m) = (f64::from(image.data[i]), f64::from(render.data[i]));
+        (residual + (y - m).powi(2), signal + y * y)
+    });
+    if residual < RENDERED * RENDERED * signal {
+        return 0.0;
+    }
     BLOCKS_PX.iter().filter_map(|&side| excess(observed, render, side)).fold(0.0, f64::max)
 }
 

@@ -37,6 +37,8 @@ pub struct Map {
     pub title: String,
     /// Values; columns along the horizontal axis, row 0 at the low end of the vertical one.
     pub values: Image,
+    /// Whether each of them belongs to a region whose boundary is drawn; empty for none.
+    pub region: Vec<bool>,
 }
 
 /// Maps that share their vertical axis.
@@ -61,6 +63,8 @@ pub struct MapGrid {
     pub x: Range<f64>,
     /// The vertical axis, from the bottom.
     pub y: Range<f64>,
+    /// Where a vertical line parts every map.
+    pub parted_at: Option<f64>,
     /// How values become colours, in all maps.
     pub shade: Shade,
     /// Quantity and unit of the values.
@@ -136,9 +140,10 @@ impl MapGrid {
             .build_cartesian_2d(scale(&self.x), scale(&self.y))
             .map_err(|e| e.to_string())?;
         chart.draw_series(self.runs(&map.values)).map_err(|e| e.to_string())?;
-        let middle = 0.5 * (self.x.start + self.x.end);
-        let axis = PathElement::new([(middle, self.y.start), (middle, self.y.end)], INK.mix(0.6));
-        chart.draw_series([axis]).map_err(|e| e.to_string())?;
+        let boundary = self.boundary(map).into_iter().map(|ends| PathElement::new(ends, INK.stroke_width(3)));
+        chart.draw_series(boundary).map_err(|e| e.to_string())?;
+        let parting = |x: f64| PathElement::new([(x, self.y.start), (x, self.y.end)], INK.mix(0.6));
+        chart.draw_series(self.parted_at.map(parting)).map_err(|e| e.to_string())?;
         chart
             .configure_mesh()
             .disable_mesh()
@@ -151,6 +156,27 @@ impl MapGrid {
             .axis_style(INK)
             .draw()
             .map_err(|e| e.to_string())
+    }
+
+    /// The edges between values inside and outside of the region.
+    fn boundary(&self, map: &Map) -> Vec<[(f64, f64); 2]> {
+        let (width, height) = (map.values.width, map.values.height);
+        let x = |column: usize| self.x.start + (self.x.end - self.x.start) * column as f64 / width as f64;
+        let y = |row: usize| self.y.start + (self.y.end - self.y.start) * row as f64 / height as f64;
+        let inside =
+            |column: usize, row: usize| map.region.get(row * width + column).copied().unwrap_or(false);
+        let mut edges = Vec::new();
+        for row in 0..height {
+            for column in 0..width {
+                if column > 0 && inside(column, row) != inside(column - 1, row) {
+                    edges.push([(x(column), y(row)), (x(column), y(row + 1))]);
+                }
+                if row > 0 && inside(column, row) != inside(column, row - 1) {
+                    edges.push([(x(column), y(row)), (x(column + 1), y(row))]);
+                }
+            }
+        }
+        edges
     }
 
     /// Rectangles of one colour: neighbours in a row that share it are one, so that an SVG file stays small.
@@ -179,18 +205,30 @@ impl MapGrid {
 mod tests {
     use super::*;
 
-    #[test]
-    fn neighbours_of_one_colour_become_one_rectangle() {
-        let grid = MapGrid {
+    fn grid() -> MapGrid {
+        MapGrid {
             title: String::new(),
             rows: vec![],
             x_label: String::new(),
             x: -1.0..1.0,
             y: 0.0..3.0,
+            parted_at: None,
             shade: Shade::Bands { max: 10.0, decades: 3, per_decade: 4 },
             value_label: String::new(),
-        };
+        }
+    }
+
+    #[test]
+    fn neighbours_of_one_colour_become_one_rectangle() {
         let image = Image { width: 4, height: 1, data: vec![9.0, 8.0, 0.0, 7.0] };
-        assert_eq!(grid.runs(&image).len(), 3);
+        assert_eq!(grid().runs(&image).len(), 3);
+    }
+
+    #[test]
+    fn a_boundary_parts_a_region_from_the_rest() {
+        let values = Image { width: 2, height: 2, data: vec![0.0; 4] };
+        let map = Map { title: String::new(), values, region: vec![true, false, true, true] };
+        // Below the second column's upper value, and to the left of its lower one.
+        assert_eq!(grid().boundary(&map), [[(0.0, 0.0), (0.0, 1.5)], [(0.0, 1.5), (1.0, 1.5)]]);
     }
 }

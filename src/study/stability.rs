@@ -19,6 +19,8 @@ use std::time::Instant;
 const FAILURE: f64 = 4.0;
 /// Standard errors within which an estimate is right.
 const RIGHT: f64 = 3.0;
+/// Warnings that say that the model is outside its range.
+const OUTSIDE: [&str; 3] = ["outside_validity", "model_error", "model_error_unknown"];
 /// `--tolerance` of the automatic choice of a model.
 const TOLERANCE: f64 = 0.01;
 
@@ -83,9 +85,9 @@ pub struct Found {
 }
 
 impl Found {
-    /// Whether the error is more than what was stated allows.
-    fn is_failure(&self) -> bool {
-        self.error.abs() > FAILURE * self.std_error + self.model_error
+    /// The error that what is stated allows.
+    fn allowed(&self) -> f64 {
+        FAILURE * self.std_error + self.model_error
     }
 }
 
@@ -149,9 +151,15 @@ impl Outcome {
         self.found.iter().flatten().map(|f| f.error.abs()).reduce(f64::max)
     }
 
+    /// What is allowed for the parameter with the largest error.
+    pub fn allowed(&self) -> Option<f64> {
+        let worst = self.found.iter().flatten().max_by(|a, b| a.error.abs().total_cmp(&b.error.abs()))?;
+        Some(worst.allowed())
+    }
+
     /// Whether something is wrong without a word.
     pub fn is_silent_failure(&self) -> bool {
-        self.warnings.is_empty() && self.found.iter().flatten().any(Found::is_failure)
+        self.warnings.is_empty() && self.found.iter().flatten().any(|f| f.error.abs() > f.allowed())
     }
 
     /// Whether all is determined and right to within the noise: then nothing should be warned of.
@@ -161,9 +169,9 @@ impl Outcome {
             && self.found.iter().flatten().all(|f| f.error.abs() <= RIGHT * f.std_error)
     }
 
-    /// Whether all is right but a warning was given all the same.
+    /// Whether all is right but a warning was given all the same, other than that the model is outside its range.
     pub fn cries_wolf(&self) -> bool {
-        self.is_right() && !self.warnings.is_empty()
+        self.is_right() && !self.warnings.is_empty() && !self.warnings.iter().any(|w| OUTSIDE.contains(w))
     }
 
     /// One word for maps and tables.
@@ -225,4 +233,46 @@ pub struct Trial {
     pub method: Method,
     /// How that ended.
     pub outcome: Outcome,
+}
+
+/// Sweeps along which the world is not what the scene says: a warning is never out of place there.
+const FAULTY: [&str; 5] =
+    ["depth error", "gain error", "Henyey-Greenstein g", "varying sigma_s", "saturated share"];
+
+impl Trial {
+    /// Whether the world is what the scene says.
+    pub fn is_sound(&self) -> bool {
+        !FAULTY.contains(&self.sweep)
+    }
+}
+
+/// What the rule of no silent failure asks of `trials`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Tally {
+    /// All fits.
+    pub fits: usize,
+    /// Those that were wrong without a word.
+    pub silent: usize,
+    /// Those in a sound world that are right, inside the model's validity.
+    pub right: usize,
+    /// Those among them that carry a warning.
+    pub wolves: usize,
+}
+
+impl Tally {
+    /// Counts `trials`.
+    pub fn of(trials: &[Trial]) -> Self {
+        let count = |f: &dyn Fn(&Trial) -> bool| trials.iter().filter(|t| f(t)).count();
+        let wolf = |t: &Trial| t.is_sound() && t.outcome.cries_wolf();
+        Self {
+            fits: trials.len(),
+            silent: count(&|t| t.outcome.is_silent_failure()),
+            right: count(&|t| {
+                t.is_sound()
+                    && t.outcome.is_right()
+                    && (t.outcome.warnings.is_empty() || t.outcome.cries_wolf())
+            }),
+            wolves: count(&wolf),
+        }
+    }
 }

@@ -10,6 +10,7 @@ use crate::image::Image;
 use crate::phase::{Gaussian, HenyeyGreenstein, b_of_spread_angle};
 use crate::scene::{MediumValues, Scene};
 use crate::spread::Model;
+use crate::trace::log_spaced;
 use rayon::prelude::*;
 
 /// How much is looked at.
@@ -31,14 +32,19 @@ impl Extent {
         Self {
             side: 48,
             samples: 2048,
-            tau: vec![0.1, 0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 12.0],
-            spread_angle_deg: vec![2.0, 4.0, 8.0, 15.0, 25.0, 40.0, 60.0],
+            tau: log_spaced(0.1, 12.0, 8),
+            spread_angle_deg: log_spaced(2.0, 60.0, 7),
         }
     }
 
     /// The same in less than a minute.
     pub fn quick() -> Self {
-        Self { side: 32, samples: 512, tau: vec![0.2, 2.0, 8.0], spread_angle_deg: vec![4.0, 15.0, 40.0] }
+        Self {
+            side: 32,
+            samples: 256,
+            tau: log_spaced(0.2, 8.0, 3),
+            spread_angle_deg: log_spaced(4.0, 40.0, 3),
+        }
     }
 }
 

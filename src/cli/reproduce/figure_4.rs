@@ -29,6 +29,7 @@ pub(super) fn write(dir: &Path, rings: &[Rings]) -> Result<String> {
         x_label: "r (mean free paths)".into(),
         x: -FARTHEST..FARTHEST,
         y: 0.0..DEEPEST,
+        parted_at: Some(0.0),
         shade: Shade::Bands { max: brightest(rings), decades: DECADES, per_decade: PER_DECADE },
         value_label: "2πrΨ (share of all light per mean free path)".into(),
     };
@@ -55,6 +56,7 @@ fn row(section: &[Rings]) -> MapRow {
         Map {
             title: format!("traced | {}", section[0].kernels[k].0),
             values: Image::from_fn(2 * count, section.len(), |x, z| value(x, z) as f32),
+            region: Vec::new(),
         }
     };
     MapRow {

@@ -27,8 +27,14 @@ pub struct Gauge {
 }
 
 impl Gauge {
-    /// Of a fit that has a phase function.
-    pub(super) fn new(fit: &ChannelFit, medium: &Medium, b: f64) -> Self {
+    /// Of the medium of a fit; `None` for an optimum that is no medium.
+    pub(super) fn of(fit: &ChannelFit) -> Option<Self> {
+        let [sigma_s, sigma_a, b] = fit.parameters.values();
+        let medium = &Medium::new(sigma_s, sigma_a).ok()?;
+        Some(Self::new(fit, medium, b))
+    }
+
+    fn new(fit: &ChannelFit, medium: &Medium, b: f64) -> Self {
         let (z, tau) = (fit.median_z, medium.tau(fit.median_z));
         let scattered = medium.scattered_total(z);
         let radius = (second_moments(medium, b, z).0 / scattered.max(f64::MIN_POSITIVE)).sqrt();

@@ -1,5 +1,6 @@
 //! What a fit tells its user besides numbers.
 
+use super::gauge::Gauge;
 use super::{Warning, significant};
 use crate::filter::CUT;
 use crate::fit::structure::STRUCTURED;
@@ -8,6 +9,9 @@ use crate::fit::{ChannelFit, MISFIT, NAMES};
 use crate::spread::{Model, SMALL_ANGLE_LIMIT, small_angle_error};
 use nalgebra::Vector3;
 
+/// Width of the kernel in views above which the image does not tell its shape: Henyey-Greenstein's lobes of g = .8 then pass
+/// for a Gaussian with 20 % less scattering (docs/stability.md).
+const WIDE_KERNEL: f64 = 0.5;
 /// Predicted error of a logarithm, or of sigma_a z, above which a model is said to be the wrong one.
 const LARGE_MODEL_ERROR: f64 = 0.1;
 
@@ -63,6 +67,16 @@ pub(super) fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warn
                  what noise leaves; the lobe may not be Gaussian, the medium not homogeneous, gain, veil or depth wrong, \
                  pixels saturated; the intervals do not hold that",
                 fit.structure
+            ),
+        );
+    }
+    if let Some(gauge) = Gauge::of(fit).filter(|g| model.spreads() && g.kernel_width_views > WIDE_KERNEL) {
+        warn(
+            "wide_kernel",
+            format!(
+                "the kernel{suffix} is {:.1} views wide: the image shows only its core, so the estimates rest on a lobe that \
+                 is Gaussian, which the residual cannot tell; look at more of the scene",
+                gauge.kernel_width_views
             ),
         );
     }
