@@ -101,6 +101,8 @@ pub struct ChannelFit {
     pub model_error: Option<ModelError>,
     /// What errors of the input do to them.
     pub input_error: InputError,
+    /// How far the data would move the coordinates on from the optimum, were there no bounds: a Gauss-Newton step.
+    pub pull: Vector3<f64>,
     /// By how many standard deviations blocks of residuals exceed what noise leaves in them.
     pub structure: f64,
     /// Gain, veil, noise and chi² of each scene.
@@ -178,9 +180,9 @@ const MOST_ROUNDS: usize = 6;
 
 /// Fits one channel's medium to `data`; all scenes share it.
 ///
-/// If the fit from the automatic start does not describe the images, it may have ended in a false minimum: kernels
-/// wider than the view are then tried as starts too, and the best of all fits counts; by sums they always are. Edges and
-/// slopes explain a misfit in another way, so scenes that have some are not tried again.
+/// If the fit from the automatic start does not describe the images or ends on a bound, it may have ended in a false
+/// minimum: kernels of other widths are then tried as starts too, and the best of all fits counts; by sums they always are.
+/// Edges and slopes explain a misfit in another way, so scenes that have some are not tried again.
 ///
 /// # Errors
 /// [`Error::NothingToFit`] if no pixel counts or every parameter is fixed, [`Error::OutOfRange`] for contradictory
@@ -192,8 +194,11 @@ pub fn fit_channel(data: &[Datum], options: &FitOptions, settings: &Settings) ->
     let mut best = fit(None, sums.as_deref())?;
     let automatic = settings.model.spreads() && options.start == [None; 3];
     let flat = || data.iter().all(|d| Relief::new(d.target.geometry).is_flat());
-    if best.reduced_chi2 > MISFIT && automatic && best.by_sums.is_none() && flat() {
-        for width in start::BEYOND_THE_VIEW {
+    let doubtful = best.reduced_chi2 > MISFIT
+        || best.structure > structure::STRUCTURED
+        || best.parameters.at_bound().iter().any(|&i| Parameters::is_logarithmic(i));
+    if doubtful && automatic && best.by_sums.is_none() && flat() {
+        for width in start::OTHER_WIDTHS {
             let other = fit(Some(width), None)?;
             if other.reduced_chi2 < best.reduced_chi2 {
                 best = other;
@@ -288,6 +293,7 @@ fn fit_from<'a>(
             // Where the noise was only estimated, a misfit counts as noise for the error bars.
             let inflation = if unknown_noise { reduced_chi2.max(1.0) } else { 1.0 };
             let mut uncertainty = Uncertainty::new(&last, &parameters, median_z, inflation);
+            let pull = uncertainty.step(&last.gradient);
             let exposures = exposures(&last, &observed, Some(&uncertainty));
             let transforms = renders.transforms();
             let mut at_optimum = Displacement {
@@ -311,6 +317,7 @@ fn fit_from<'a>(
                 start,
                 model_error,
                 input_error,
+                pull,
                 structure,
                 renders: images,
                 hidden_shares,

@@ -19,8 +19,9 @@ use std::time::Instant;
 const FAILURE: f64 = 4.0;
 /// Standard errors within which an estimate is right.
 const RIGHT: f64 = 3.0;
-/// Warnings that say that the model is outside its range.
-const OUTSIDE: [&str; 3] = ["outside_validity", "model_error", "model_error_unknown"];
+/// Warnings that say that a scene is outside what the model is valid for: its angles, its table, or the view, where that shows
+/// too little of the kernel.
+const OUTSIDE: [&str; 4] = ["outside_validity", "model_error", "model_error_unknown", "wide_kernel"];
 /// `--tolerance` of the automatic choice of a model.
 const TOLERANCE: f64 = 0.01;
 

@@ -12,6 +12,8 @@ use nalgebra::Vector3;
 /// Width of the kernel in views above which the image does not tell its shape: Henyey-Greenstein's lobes of g = .8 then pass
 /// for a Gaussian with 20 % less scattering (docs/stability.md).
 const WIDE_KERNEL: f64 = 0.5;
+/// Standard errors by which the data must want a parameter beyond its bound before that is no accident.
+const PRESSED: f64 = 3.0;
 /// Predicted error of a logarithm, or of sigma_a z, above which a model is said to be the wrong one.
 const LARGE_MODEL_ERROR: f64 = 0.1;
 
@@ -80,14 +82,22 @@ pub(super) fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warn
             ),
         );
     }
-    let on = fit.parameters.at_bound();
-    let pressed: Vec<String> = on
-        .iter()
-        .filter(|&&i| !(i == 1 && fit.parameters.values()[1] == 0.0))
-        .map(|&i| format!("{}{suffix}", NAMES[i]))
+    let pressed = |&i: &usize| fit.uncertainty.std_error(i).is_some_and(|e| fit.pull[i].abs() > PRESSED * e);
+    let pressed: Vec<String> = fit
+        .parameters
+        .at_bound()
+        .into_iter()
+        .filter(pressed)
+        .map(|i| format!("{}{suffix}", NAMES[i]))
         .collect();
     if !pressed.is_empty() {
-        warn("at_bound", format!("on a bound, where the interval is cut: {}", pressed.join(", ")));
+        warn(
+            "at_bound",
+            format!(
+                "on a bound, beyond which the data want it, and where the interval is cut: {}",
+                pressed.join(", ")
+            ),
+        );
     }
     let free = |i: &usize| fit.uncertainty.status(*i) == Status::Free;
     match &fit.model_error {
