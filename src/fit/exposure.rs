@@ -18,7 +18,7 @@ pub struct Exposure {
     pub veil: f64,
     /// Standard error of the veil; `None` if it was given or the data leave it undetermined.
     pub veil_error: Option<f64>,
-    /// Standard deviation of a pixel's noise, given or estimated.
+    /// Standard deviation of a pixel's noise, given or estimated; of given variances the root of their harmonic mean.
     pub noise: f64,
     /// Sum of squared residuals over noise².
     pub chi2: f64,

@@ -1,7 +1,7 @@
 //! Fitting a medium to observed images: sigma_s, sigma_a and B of one channel from any number of scenes.
 //!
 //! The residual of a pixel is r = (gain · I(sigma_s, sigma_a, B) + veil - observed) / noise, I being the rendered
-//! object light. A free gain or veil enters linearly and is eliminated at every step (variable projection, Golub
+//! object light, and noise one number a scene or the root of each pixel's variance. A free gain or veil enters linearly and is eliminated at every step (variable projection, Golub
 //! and Pereyra 1973); the rest is a damped Gauss-Newton iteration in (ln sigma_s, sigma_a, ln B).
 
 mod comparison;
@@ -28,7 +28,7 @@ pub mod noise;
 pub mod report;
 pub mod scenes;
 
-pub use datum::{Datum, VeilTerm};
+pub use datum::{Datum, NoiseTerm, VeilTerm};
 pub use exposure::Exposure;
 pub use input_error::InputError;
 pub use intervals::{Intervals, bootstrap, profile};

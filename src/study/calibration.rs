@@ -11,7 +11,7 @@ use crate::fit::noise::with_noise;
 use crate::fit::scenes::fit_scenes;
 use crate::fit::{ChannelFit, NAMES, Parameters, Settings};
 use crate::phase::b_of_spread_angle;
-use crate::scene::{Gain, MediumValues, Scene, Veil};
+use crate::scene::{Gain, MediumValues, Noise, Scene, Veil};
 use crate::spread::Model;
 use rayon::prelude::*;
 
@@ -115,7 +115,7 @@ impl Case {
         let mut known = clean.clone();
         for scene in &mut known {
             scene.fit[0].start = truth.map(Some);
-            scene.observation.as_mut().expect("made with one").noise = Some(self.noise);
+            scene.observation.as_mut().expect("made with one").noise = Some(Noise::Level(self.noise));
         }
         let ideal =
             fit_scenes(&known, &Settings { sums: false, ..settings }, Filter::Auto)?.channels.remove(0).1;

@@ -103,7 +103,7 @@ fn evaluation(side: usize) {
     let cpu = CpuFilter::new(scene.target(), &optics, 1.0).unwrap().render_with_gradient(&optics).unwrap();
     let observed = with_noise(&cpu.image, 0.005, 4);
     let filter = GpuFilter::new(gpu(), scene.target(), &optics, 1.0).unwrap();
-    let observation = filter.observe(observed.data.iter().map(|&y| (y, true))).unwrap();
+    let observation = filter.observe(observed.data.iter().map(|&y| (y, 1.0))).unwrap();
     let device = filter.products(&optics, &observation, [1.0, 0.0], true).unwrap();
     let [s, a, b] = cpu.gradient.unwrap();
     let value = |image: &Image, at: usize| f64::from(image.data[at]);

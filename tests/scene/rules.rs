@@ -3,14 +3,14 @@
 use crate::folder::{Folder, SCENE, SEEN, SIZE, spoilt, texture, with};
 use narrowbeam::geometry::Field;
 use narrowbeam::image::{Image, View};
-use narrowbeam::scene::{Gain, Purpose, Veil, read_truth};
+use narrowbeam::scene::{Gain, Noise, Purpose, Veil, read_truth};
 
 #[test]
 fn a_sound_scene_is_read() {
     let folder = Folder::new();
     let scene = folder.read(SCENE, Purpose::Fit).unwrap();
     let observation = scene.observation.as_ref().unwrap();
-    assert_eq!((observation.noise, observation.gain), (Some(0.002), Gain::Fixed(1.0)));
+    assert_eq!((observation.noise.clone(), observation.gain), (Some(Noise::Level(0.002)), Gain::Fixed(1.0)));
     assert_eq!(observation.veil, Veil::Fixed(0.0));
     assert_eq!(scene.view, View { x: 2, y: 2, width: 8, height: 6 });
     assert_eq!(scene.geometry.path_length(3, 4), Some(2.0));
