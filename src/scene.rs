@@ -12,6 +12,7 @@ mod medium;
 mod observation;
 mod read;
 mod source;
+mod variance;
 
 pub use medium::read_truth;
 

@@ -72,6 +72,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     atomic::check_writable(&arguments.out.join("fit.json"))?;
     let mut fit = estimate(arguments, &scenes, &chosen)?;
     add_intervals(arguments, &scenes, &chosen, &mut fit)?;
+    fit.add_advice(&scenes, &settings_of(arguments, &chosen, &|| ()), arguments.rendering.filter)?;
     fit.report.backend["reason"] = chosen.reason.clone().into();
     fit.report.command = provenance().into_iter().find(|(key, _)| key == "command").map(|(_, value)| value);
     write(arguments, &scenes, &fit, &chosen)?;

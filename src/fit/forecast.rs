@@ -52,7 +52,9 @@ pub fn forecast(
     };
     let planned = scenes.iter().map(planned).collect::<Result<Vec<_>>>()?;
     // The optimum is known: nothing needs to be searched for.
-    fit_scenes(&planned, &Settings { sums: false, ..*settings }, filter)
+    let mut fit = fit_scenes(&planned, &Settings { sums: false, ..*settings }, filter)?;
+    fit.add_advice(&planned, settings, filter)?;
+    Ok(fit)
 }
 
 /// Starts at the truth, and what is held is held there.

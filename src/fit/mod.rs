@@ -4,11 +4,13 @@
 //! object light, and noise one number a scene or the root of each pixel's variance. A free gain or veil enters linearly and is eliminated at every step (variable projection, Golub
 //! and Pereyra 1973); the rest is a damped Gauss-Newton iteration in (ln sigma_s, sigma_a, ln B).
 
+mod advice;
 mod comparison;
 mod datum;
 mod displacement;
 mod equations;
 mod exposure;
+mod identifiability;
 mod input_error;
 mod intervals;
 mod model_error;
@@ -28,8 +30,10 @@ pub mod noise;
 pub mod report;
 pub mod scenes;
 
+pub use advice::{Advice, advise};
 pub use datum::{Datum, NoiseTerm, VeilTerm};
 pub use exposure::Exposure;
+pub use identifiability::Combination;
 pub use input_error::InputError;
 pub use intervals::{Intervals, bootstrap, profile};
 pub use model_error::ModelError;
@@ -146,6 +150,8 @@ pub struct ChannelFit {
     pub renders: Vec<Image>,
     /// Share of hidden light of each scene's pixels at the best fit; `None` for a scene in which nothing is hidden.
     pub hidden_shares: Vec<Option<Image>>,
+    /// What the data determine where they leave a parameter open, or hold two only together.
+    pub determined: Vec<Combination>,
 }
 
 impl ChannelFit {
@@ -306,7 +312,8 @@ fn fit_from<'a>(
             if let Some(error) = &model_error {
                 uncertainty.distrust(|i| error.reference_of(&Vector3::ith(i, 1.0)), median_z);
             }
-            return Ok(ChannelFit {
+            let mut fit = ChannelFit {
+                determined: Vec::new(),
                 model: settings.model,
                 start,
                 model_error,
@@ -335,7 +342,9 @@ fn fit_from<'a>(
                 transforms,
                 free_gain: data.iter().any(|d| d.gain == Gain::Free),
                 parameters,
-            });
+            };
+            fit.determined = identifiability::determined(data, &fit);
+            return Ok(fit);
         }
         if !served {
             renders = Renders::new(data, &observed, &parameters, settings)?;

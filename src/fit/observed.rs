@@ -5,7 +5,7 @@
 
 use super::datum::{Datum, NoiseTerm, VeilTerm};
 use super::equations::{Linear, NormalEquations, ONE, Products, RENDER};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, in_range};
 use crate::image::Image;
 use crate::scene::Gain;
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3, Vector6};
@@ -60,7 +60,12 @@ impl<'a> Observed<'a> {
         if observed.pixels.is_empty() {
             return Err(Error::NothingToFit("the mask leaves no pixel".into()));
         }
-        if let Some(NoiseTerm::Variance(_)) = datum.noise {
+        if let Some(NoiseTerm::Variance(variance)) = datum.noise {
+            for pixel in &observed.pixels {
+                let (i, width) = (pixel.index as usize, variance.width);
+                let (name, value) = (format!("variance of pixel ({}, {})", i % width, i / width), variance.data[i]);
+                in_range(&name, f64::from(value), value > 0.0 && value.is_finite(), "finite and above 0")?;
+            }
             let sum: f64 = observed.pixels.iter().map(|p| f64::from(p.weight)).sum();
             observed.noise = (observed.pixels() as f64 / sum).sqrt();
             observed.gather(|_| true);

@@ -2,7 +2,7 @@
 
 use super::report::FitReport;
 use super::{ChannelFit, Datum, Intervals, NAMES, NoiseTerm, Parameters, Settings, VeilTerm};
-use super::{fit_channel, path_lengths};
+use super::{advise, fit_channel, path_lengths};
 use crate::error::{Error, Result};
 use crate::filter::{Filter, Target};
 use crate::geometry::Geometry;
@@ -57,6 +57,19 @@ impl SceneFit {
             for (parameter, interval) in NAMES.iter().zip(intervals) {
                 self.report.parameters[&format!("{parameter}{suffix}")][key] = serde_json::json!(interval);
             }
+        }
+        Ok(())
+    }
+
+    /// Adds to the report which measurement would free what is undetermined, if something is.
+    ///
+    /// # Errors
+    /// As [`advise`].
+    pub fn add_advice(&mut self, scenes: &[Scene], settings: &Settings, filter: Filter) -> Result<()> {
+        let reliefs = reliefs(scenes, filter);
+        for (i, (name, fit)) in self.channels.iter().enumerate() {
+            let advice = advise(&data(scenes, &reliefs, i), fit, settings)?;
+            self.report.add_advice(name, self.channels.len(), fit, &advice);
         }
         Ok(())
     }

@@ -3,6 +3,7 @@
 use super::format::{NumberOrFree, ObservationSection, VeilValue};
 use super::images::{check_pixels, check_size};
 use super::source::Source;
+use super::variance;
 use super::{Gain, Noise, Observation, Purpose, Veil};
 use crate::error::{Error, Result};
 use crate::image::{Channel, Image, View};
@@ -111,7 +112,7 @@ pub(super) fn read_observation(
         }
         (Some(v), None) => Some(Noise::Level(source.positive("[observation] noise", v)?)),
         (None, Some(file)) => {
-            Some(Noise::Variance(read_variance(source.resolve(file), &names, (&path, size), mask.as_ref())?))
+            Some(Noise::Variance(variance::read(&source.resolve(file), &names, (&path, size), mask.as_ref())?))
         }
         (None, None) => None,
     };
@@ -164,33 +165,6 @@ fn read_veil(
         check_pixels(&path, channel, "finite", f32::is_finite)?;
     }
     Ok(veil)
-}
-
-/// Largest variance that is believed, and the inverse of the least: the square of the largest radiance.
-const LARGEST_VARIANCE: f32 = 1e30;
-
-/// The variance of each pixel: channels `Y.variance` and so on, as `narrowbeam trace` writes them, else those of the
-/// observation's own names.
-fn read_variance(
-    path: PathBuf,
-    names: &[&str],
-    observed: (&Path, (usize, usize)),
-    mask: Option<&Image>,
-) -> Result<Vec<Channel>> {
-    let file = ExrFile::read(&path)?;
-    let mut variance = file.variances(names)?;
-    for channel in &mut variance {
-        let what = format!("the observed image {}", observed.0.display());
-        check_size(&path, &channel.image, observed.1, &what)?;
-        if let Some(mask) = mask {
-            let excluded = channel.image.data.iter_mut().zip(&mask.data).filter(|(_, counts)| **counts <= 0.0);
-            excluded.for_each(|(v, _)| *v = 1.0);
-        }
-        let believed = 1.0 / LARGEST_VARIANCE..=LARGEST_VARIANCE;
-        let allowed = "a variance from 1e-30 to 1e30 where the mask does not exclude the pixel";
-        check_pixels(&path, channel, allowed, |v| believed.contains(&v))?;
-    }
-    Ok(variance)
 }
 
 /// Sets excluded pixels that are not finite to 0, so that they harm no sum in which their weight is 0.

@@ -63,20 +63,6 @@ impl ExrFile {
         self.find(name).cloned().ok_or_else(|| self.missing(name))
     }
 
-    /// The variances of the channels `names`, under these names: `Y.variance` for `Y`, or else channels that are named so
-    /// themselves.
-    ///
-    /// # Errors
-    /// [`Error::MissingChannel`] with the names present.
-    pub fn variances(&self, names: &[&str]) -> Result<Vec<Channel>> {
-        let beside = |name: &&str| {
-            let channel = self.find(&format!("{name}.variance"))?;
-            Some(Channel { name: name.to_string(), image: channel.image.clone() })
-        };
-        let found: Option<Vec<Channel>> = names.iter().map(beside).collect();
-        found.map_or_else(|| self.channels(names), Ok)
-    }
-
     fn find(&self, name: &str) -> Option<&Channel> {
         self.all.iter().find(|c| c.name == name)
     }
