@@ -2,7 +2,9 @@
 //! measurement would add at the medium found (see [`forecast`](super::forecast)).
 
 use super::displacement::Displacement;
-use super::{ChannelFit, Datum, Exposure, ModelError, NAMES, NoiseTerm, Observed, Parameters, Problem, Renders};
+use super::{
+    ChannelFit, Datum, Exposure, ModelError, NAMES, NoiseTerm, Observed, Parameters, Problem, Renders,
+};
 use super::{Settings, Source, Status, Uncertainty, VeilTerm, with_optics};
 use crate::error::Result;
 use crate::filter::Target;
@@ -55,7 +57,7 @@ pub fn advise(data: &[Datum], fit: &ChannelFit, settings: &Settings) -> Result<V
         .zip(&fit.exposures)
         .map(|(d, e)| Datum { noise: d.noise.or_else(|| level(e)), ..*d })
         .collect();
-    let as_it_is = |measurement, data: Vec<Datum>, noise| {
+    let same_scenes = |measurement, data: Vec<Datum>, noise| {
         let plan = Plan { measurement, data, exposures: fit.exposures.clone(), noise };
         plan.advice(fit, settings)
     };
@@ -65,10 +67,10 @@ pub fn advise(data: &[Datum], fit: &ChannelFit, settings: &Settings) -> Result<V
         data
     };
     let mut all = vec![second_depth(&measured, fit, settings)?, sharp_target(&measured, fit, settings)?];
-    all.push(as_it_is("half the noise (four times the exposure)", measured.clone(), HALF)?);
+    all.push(same_scenes("half the noise (four times the exposure)", measured.clone(), HALF)?);
     if data.iter().any(|d| d.gain == Gain::Free) {
         let known = with(&|d, e| d.gain = Gain::Fixed(e.gain));
-        all.push(as_it_is("a known gain", known, 1.0)?);
+        all.push(same_scenes("a known gain", known, 1.0)?);
         all.push(two_depths_at_once(&measured, fit, settings)?);
     }
     if data.iter().any(|d| matches!(d.veil, VeilTerm::Free)) {
@@ -77,11 +79,13 @@ pub fn advise(data: &[Datum], fit: &ChannelFit, settings: &Settings) -> Result<V
                 d.veil = VeilTerm::Fixed(e.veil);
             }
         });
-        all.push(as_it_is("a known veil", known, 1.0)?);
+        all.push(same_scenes("a known veil", known, 1.0)?);
     }
     let worst = |advice: &Advice| {
         let z = fit.median_z;
-        let share = |i: usize| advice.std_errors[i].map(|e| if i == 1 { e * z } else { e / fit.parameters.values()[i] });
+        let share = |i: usize| {
+            advice.std_errors[i].map(|e| if i == 1 { e * z } else { e / fit.parameters.values()[i] })
+        };
         if advice.frees { (0..3).filter_map(share).fold(0.0, f64::max) } else { f64::INFINITY }
     };
     all.sort_by(|a, b| worst(a).total_cmp(&worst(b)));
@@ -141,9 +145,7 @@ fn sharp_target(data: &[Datum], fit: &ChannelFit, settings: &Settings) -> Result
         .iter()
         .zip(&checkers)
         .zip(&fit.exposures)
-        .map(|((d, radiance), e)| {
-            seen(Target { radiance, ..d.target }, d.veil, e, &fit.parameters, settings)
-        })
+        .map(|((d, radiance), e)| seen(Target { radiance, ..d.target }, d.veil, e, &fit.parameters, settings))
         .collect::<Result<_>>()?;
     let sharp = data.iter().zip(&checkers).zip(&observed).map(|((d, radiance), observed)| Datum {
         target: Target { radiance, ..d.target },
@@ -200,7 +202,7 @@ impl Advice {
     pub(super) fn line(&self, values: [f64; 3], suffix: &str) -> String {
         let known = |i: usize| {
             let (error, value) = (self.std_errors[i]?, values[i]);
-            Some(if error < value {
+            Some(if Parameters::is_logarithmic(i) {
                 format!("{}{suffix} ± {:.2} %", NAMES[i], 100.0 * error / value)
             } else {
                 format!("{}{suffix} ± {error:.2e}", NAMES[i])
@@ -250,6 +252,6 @@ fn nearer(geometry: &Geometry) -> Geometry {
 fn checker(object: &Image) -> Image {
     let mean = object.mean() as f32;
     Image::from_fn(object.width, object.height, |x, y| {
-        if (x / CELL_PX + y / CELL_PX) % 2 == 0 { (2.0 - DARK) * mean } else { DARK * mean }
+        if (x / CELL_PX + y / CELL_PX).is_multiple_of(2) { (2.0 - DARK) * mean } else { DARK * mean }
     })
 }

@@ -16,11 +16,18 @@ const ENTANGLED: f64 = 0.95;
 const MOST_ERROR: f64 = 0.5;
 /// How many times better than the worst of its parts a combination must be known to be worth telling.
 const SHARPER: f64 = 2.0;
-/// Share by which an odder power of B must be better known than a plainer one to be preferred.
-const PLAINER: f64 = 0.2;
+/// How many times worse than the best a plainer power of B may be known to be preferred.
+const PLAINER: f64 = 2.0;
 /// Powers of B beside sigma_s that are tried, the plainest first.
-const POWERS: [(f64, &str); 7] =
-    [(1.0, "·b"), (0.5, "·√b"), (-0.5, "/√b"), (2.0, "·b²"), (1.5, "·b^(3/2)"), (-1.0, "/b"), (1.0 / 3.0, "·b^(1/3)")];
+const POWERS: [(f64, &str); 7] = [
+    (1.0, "·b"),
+    (0.5, "·√b"),
+    (-0.5, "/√b"),
+    (2.0, "·b²"),
+    (1.5, "·b^(3/2)"),
+    (-1.0, "/b"),
+    (1.0 / 3.0, "·b^(1/3)"),
+];
 
 /// A combination of parameters that the data determine.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -46,6 +53,7 @@ struct Candidate {
     gradient: Vector3<f64>,
     /// Variance of ln c at given coordinates.
     apart: f64,
+    /// Whether a free gain takes part, whose error by the model is not known.
     exposed: bool,
 }
 
@@ -61,8 +69,10 @@ impl Candidate {
 
     /// Whether it says more than its parts do, where one of them is in `trouble`.
     fn tells(&self, fit: &ChannelFit, error: f64, trouble: [bool; 3]) -> bool {
-        let part = |i: usize| self.parts[i].abs() * fit.uncertainty.std_error(i).unwrap_or(f64::INFINITY);
-        let taking_part = || (0..3).filter(|&i| self.parts[i] != 0.0 && fit.uncertainty.status(i) != Status::Fixed);
+        let alone = |i: usize| fit.variance_of(&Vector3::ith(i, 1.0)).map_or(f64::INFINITY, f64::sqrt);
+        let part = |i: usize| self.parts[i].abs() * alone(i);
+        let taking_part =
+            || (0..3).filter(|&i| self.parts[i] != 0.0 && fit.uncertainty.status(i) != Status::Fixed);
         let reference = fit.model_error.map_or(0.0, |m| m.reference_of(&self.gradient));
         taking_part().any(|i| trouble[i])
             && error.max(reference) <= MOST_ERROR
@@ -93,27 +103,27 @@ pub(super) fn determined(data: &[Datum], fit: &ChannelFit) -> Vec<Combination> {
 /// Which parameters are undetermined, or known only together with another.
 fn trouble(fit: &ChannelFit) -> [bool; 3] {
     let lost = |i: usize| fit.uncertainty.status(i) == Status::Undetermined;
-    let entangled = |i: usize, j: usize| fit.uncertainty.correlation(i, j).is_some_and(|r| r.abs() > ENTANGLED);
+    let entangled =
+        |i: usize, j: usize| fit.uncertainty.correlation(i, j).is_some_and(|r| r.abs() > ENTANGLED);
     std::array::from_fn(|i| lost(i) || (0..3).any(|j| j != i && entangled(i, j)))
 }
 
-/// The product of sigma_s and a power of B that is known best.
+/// The product of sigma_s and a power of B: the plainest of those that are known nearly as well as the best.
 fn product(fit: &ChannelFit) -> Option<Candidate> {
-    let [sigma_s, _, b] = fit.parameters.values();
+    let (sigma_s, b) = (fit.parameters.values()[0], fit.parameters.internal()[2].exp());
     if !fit.model.spreads() {
         return None;
     }
-    let mut best: Option<(f64, Candidate)> = None;
-    for (power, text) in POWERS {
+    let candidate = |(power, text): (f64, &str)| {
         let name = format!("{}{}", NAMES[0], text.replace('b', NAMES[2]));
         let candidate = Candidate::of(name, sigma_s * b.powf(power), Vector3::new(1.0, 0.0, power));
-        if let Some(error) = candidate.error(fit)
-            && best.as_ref().is_none_or(|(least, _)| error < (1.0 - PLAINER) * least)
-        {
-            best = Some((error, candidate));
-        }
-    }
-    best.map(|(_, candidate)| candidate)
+        Some((candidate.error(fit)?, candidate))
+    };
+    let all: Vec<(f64, Candidate)> = POWERS.into_iter().filter_map(candidate).collect();
+    let best = all.iter().map(|(error, _)| *error).fold(MOST_ERROR, f64::min);
+    all.into_iter()
+        .find(|(error, _)| *error <= (PLAINER * best).min(MOST_ERROR))
+        .map(|(_, candidate)| candidate)
 }
 
 /// sigma_t, of direct light.

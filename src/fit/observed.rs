@@ -63,7 +63,8 @@ impl<'a> Observed<'a> {
         if let Some(NoiseTerm::Variance(variance)) = datum.noise {
             for pixel in &observed.pixels {
                 let (i, width) = (pixel.index as usize, variance.width);
-                let (name, value) = (format!("variance of pixel ({}, {})", i % width, i / width), variance.data[i]);
+                let (name, value) =
+                    (format!("variance of pixel ({}, {})", i % width, i / width), variance.data[i]);
                 in_range(&name, f64::from(value), value > 0.0 && value.is_finite(), "finite and above 0")?;
             }
             let sum: f64 = observed.pixels.iter().map(|p| f64::from(p.weight)).sum();

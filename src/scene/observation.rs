@@ -108,12 +108,17 @@ pub(super) fn read_observation(
     }
     let noise = match (section.noise, &section.variance) {
         (Some(_), Some(_)) => {
-            return Err(source.error("[observation] noise and variance: the noise is given twice; leave one out"));
+            return Err(
+                source.error("[observation] noise and variance: the noise is given twice; leave one out")
+            );
         }
         (Some(v), None) => Some(Noise::Level(source.positive("[observation] noise", v)?)),
-        (None, Some(file)) => {
-            Some(Noise::Variance(variance::read(&source.resolve(file), &names, (&path, size), mask.as_ref())?))
-        }
+        (None, Some(file)) => Some(Noise::Variance(variance::read(
+            &source.resolve(file),
+            &names,
+            (&path, size),
+            mask.as_ref(),
+        )?)),
         (None, None) => None,
     };
     let gain = match section.gain {

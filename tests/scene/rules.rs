@@ -18,6 +18,31 @@ fn a_sound_scene_is_read() {
 }
 
 #[test]
+fn variances_are_known_or_estimated_with_the_image() {
+    let folder = Folder::new();
+    let text = with("noise = 0.002", "variance = \"variance.exr\"");
+    let variance = |channels: &[(&str, Image)]| {
+        folder.put("variance.exr", channels);
+        match folder.read(&text, Purpose::Fit).unwrap().observation.unwrap().noise {
+            Some(Noise::Variance(mut channels)) => channels.remove(0),
+            other => panic!("{other:?}"),
+        }
+    };
+    let one_louder = spoilt(Image::filled(SEEN.0, SEEN.1, 1e-4), 3, 2, 9e-4);
+    let known = variance(&[("Y", one_louder.clone())]);
+    assert_eq!((known.name.as_str(), &known.image), ("Y", &one_louder));
+    // An estimate beside the image gives way to the mean over the eight neighbours.
+    let estimated = variance(&[("Y", texture(SEEN)), ("Y.variance", one_louder)]);
+    assert_eq!(estimated.name, "Y");
+    assert!((estimated.image.at(3, 2) - 1e-4).abs() < 1e-10);
+    assert!((estimated.image.at(4, 2) - 2e-4).abs() < 1e-10);
+    assert!((estimated.image.at(6, 2) - 1e-4).abs() < 1e-10);
+    // What the mask excludes need not have a variance.
+    folder.put("mask.exr", &[("Y", spoilt(Image::filled(SEEN.0, SEEN.1, 1.0), 5, 5, 0.0))]);
+    variance(&[("Y", spoilt(Image::filled(SEEN.0, SEEN.1, 1e-4), 5, 5, f32::NAN))]);
+}
+
+#[test]
 fn empty_pixels_of_a_depth_map_hold_no_object() {
     let folder = Folder::new();
     let mut depth = Image::filled(12, 10, 2.0);

@@ -33,7 +33,11 @@ impl FitReport {
         let combination = |c: &Value| {
             let name = c["combination"].as_str().unwrap_or_default();
             let percent = 100.0 * c["relative_error"].as_f64().unwrap_or(f64::NAN);
-            format!("determined: {name} = {} ± {} ({percent:.2} %)", number(&c["value"]), number(&c["std_error"]))
+            format!(
+                "determined: {name} = {} ± {} ({percent:.2} %)",
+                number(&c["value"]),
+                number(&c["std_error"])
+            )
         };
         let advice = |a: &Value| format!("advice: {}", a["message"].as_str().unwrap_or_default());
         self.determined.iter().map(combination).chain(self.advice.iter().map(advice)).collect()

@@ -139,5 +139,9 @@ fn why(fit: &ChannelFit, model: Model) -> String {
         .iter()
         .map(|c| format!("{} = {} ± {}", c.combination, significant(c.value), significant(c.std_error)))
         .collect();
-    if known.is_empty() { "the noise allows almost any value".into() } else { format!("only {}", known.join(", ")) }
+    if known.is_empty() {
+        "the noise allows almost any value".into()
+    } else {
+        format!("only {}", known.join(", "))
+    }
 }
