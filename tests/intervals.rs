@@ -7,7 +7,7 @@ use narrowbeam::fit::scenes::{SceneFit, fit_scenes};
 use narrowbeam::fit::{Intervals, NAMES, Parameters, Settings, Status, bootstrap, profile};
 use narrowbeam::scene::{MediumValues, Scene};
 use narrowbeam::spread::Model;
-use narrowbeam::study::calibration::cases;
+use narrowbeam::study::calibration::{Told, cases};
 use narrowbeam::study::{Setting, Texture};
 
 const PLANE: Setting = Setting {
@@ -69,6 +69,25 @@ fn all_intervals_agree_where_the_data_are_good() {
         }
         assert_eq!(fit.report.parameters[NAMES[i]]["profile95"][0].as_f64(), by_profile[i].unwrap()[0]);
         assert!(fit.report.parameters[NAMES[i]]["bootstrap95"][1].is_f64());
+    }
+}
+
+#[test]
+fn so_they_do_where_the_noise_is_uneven() {
+    const DRAWS: usize = 400;
+    let case = cases().into_iter().find(|case| case.told == Told::Variance).unwrap();
+    let scene = case.scenes(3).unwrap().remove(0);
+    let mut fit = fit(&scene);
+    let [by_profile, by_bootstrap] = intervals(&scene, &mut fit, DRAWS);
+    for i in 0..3 {
+        let p = in_standard_errors(&fit, i, by_profile[i].unwrap());
+        let b = in_standard_errors(&fit, i, by_bootstrap[i].unwrap());
+        println!("{}: profile {p:.3?}, bootstrap {b:.3?}", NAMES[i]);
+        for side in [0, 1] {
+            let normal = [-1.96, 1.96][side];
+            // As above.
+            assert!((p[side] - normal).abs() < 0.1 && (b[side] - normal).abs() < 0.54, "{}", NAMES[i]);
+        }
     }
 }
 

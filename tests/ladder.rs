@@ -13,7 +13,7 @@ use narrowbeam::geometry::Geometry;
 use narrowbeam::image::{Border, Channel, Image, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Gaussian, b_of_spread_angle};
-use narrowbeam::scene::{FitOptions, Gain, Observation, PartialMedium, Scene, Veil};
+use narrowbeam::scene::{FitOptions, Gain, Noise, Observation, PartialMedium, Scene, Veil};
 use narrowbeam::spread::Model;
 use std::path::PathBuf;
 
@@ -70,7 +70,7 @@ impl Regime {
             observation: Some(Observation {
                 path: PathBuf::from("observed"),
                 image: gray(image),
-                noise: Some(self.noise),
+                noise: Some(Noise::Level(self.noise)),
                 mask: None,
                 gain: Gain::Fixed(1.0),
                 veil: Veil::Fixed(0.0),

@@ -1,14 +1,16 @@
 //! Fitting a medium to observed images: sigma_s, sigma_a and B of one channel from any number of scenes.
 //!
 //! The residual of a pixel is r = (gain · I(sigma_s, sigma_a, B) + veil - observed) / noise, I being the rendered
-//! object light. A free gain or veil enters linearly and is eliminated at every step (variable projection, Golub
+//! object light, and noise one number a scene or the root of each pixel's variance. A free gain or veil enters linearly and is eliminated at every step (variable projection, Golub
 //! and Pereyra 1973); the rest is a damped Gauss-Newton iteration in (ln sigma_s, sigma_a, ln B).
 
+mod advice;
 mod comparison;
 mod datum;
 mod displacement;
 mod equations;
 mod exposure;
+mod identifiability;
 mod input_error;
 mod intervals;
 mod model_error;
@@ -28,8 +30,10 @@ pub mod noise;
 pub mod report;
 pub mod scenes;
 
-pub use datum::{Datum, VeilTerm};
+pub use advice::{Advice, advise};
+pub use datum::{Datum, NoiseTerm, VeilTerm};
 pub use exposure::Exposure;
+pub use identifiability::Combination;
 pub use input_error::InputError;
 pub use intervals::{Intervals, bootstrap, profile};
 pub use model_error::ModelError;
@@ -148,6 +152,8 @@ pub struct ChannelFit {
     pub renders: Vec<Image>,
     /// Share of hidden light of each scene's pixels at the best fit; `None` for a scene in which nothing is hidden.
     pub hidden_shares: Vec<Option<Image>>,
+    /// What the data determine where they leave a parameter open, or hold two only together.
+    pub determined: Vec<Combination>,
 }
 
 impl ChannelFit {
@@ -312,7 +318,8 @@ fn fit_from<'a>(
             if let Some(error) = &model_error {
                 uncertainty.distrust(|i| error.reference_of(&Vector3::ith(i, 1.0)), median_z);
             }
-            return Ok(ChannelFit {
+            let mut fit = ChannelFit {
+                determined: Vec::new(),
                 model: settings.model,
                 start,
                 model_error,
@@ -342,7 +349,9 @@ fn fit_from<'a>(
                 transforms,
                 free_gain: data.iter().any(|d| d.gain == Gain::Free),
                 parameters,
-            });
+            };
+            fit.determined = identifiability::determined(data, &fit);
+            return Ok(fit);
         }
         if !served {
             renders = Renders::new(data, &observed, &parameters, settings)?;

@@ -6,7 +6,7 @@ use crate::geometry::Geometry;
 use crate::image::{Border, Channel, Image, View};
 use crate::medium::Medium;
 use crate::phase::{Gaussian, PhaseFunction};
-use crate::scene::{FitOptions, Gain, MediumValues, Observation, PartialMedium, Scene, Veil};
+use crate::scene::{FitOptions, Gain, MediumValues, Noise, Observation, PartialMedium, Scene, Veil};
 use crate::spread::Model;
 use crate::trace::{ImageConfig, TracedImage, trace_image};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -161,7 +161,7 @@ impl Setting {
             observation: Some(Observation {
                 path: PathBuf::from("plane"),
                 image: gray(observed),
-                noise,
+                noise: noise.map(Noise::Level),
                 mask: None,
                 gain: Gain::Fixed(1.0),
                 veil: Veil::Fixed(0.0),

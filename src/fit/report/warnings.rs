@@ -29,7 +29,7 @@ pub(super) fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warn
         let names: Vec<String> = lost.iter().map(|&i| format!("{}{suffix}", NAMES[i])).collect();
         warn(
             "undetermined",
-            format!("the data do not determine {}: {}", names.join(" and "), why(fit, &lost, model)),
+            format!("the data do not determine {}: {}", names.join(" and "), why(fit, model)),
         );
     }
     if fit.cut {
@@ -139,18 +139,19 @@ pub(super) fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warn
     all
 }
 
-/// Why `lost` parameters are undetermined, and what would help.
-fn why(fit: &ChannelFit, lost: &[usize], model: Model) -> &'static str {
-    let free_gain = fit.exposures.iter().any(|e| e.gain_error.is_none() && fit.free_gain);
+/// Why parameters are undetermined, and what is known all the same.
+fn why(fit: &ChannelFit, model: Model) -> String {
     if !model.spreads() {
-        "direct light alone shows only sigma_t; fix sigma_s or sigma_a, or use a model that spreads light"
-    } else if lost == [1] && free_gain {
-        "with a free gain of its own, a scene at one depth cannot tell absorption from exposure; give the gain of one \
-         scene, or use an object that spans depths"
-    } else if lost.contains(&0) && lost.contains(&2) {
-        "they trade against each other; only sigma_s·B (derived.sigma_s_b) may be known; a second depth, a sharper \
-         object or less noise would part them"
+        return "direct light alone shows only sigma_t; fix sigma_s or sigma_a, or use a model that spreads light".into();
+    }
+    let known: Vec<String> = fit
+        .determined
+        .iter()
+        .map(|c| format!("{} = {} ± {}", c.combination, significant(c.value), significant(c.std_error)))
+        .collect();
+    if known.is_empty() {
+        "the noise allows almost any value".into()
     } else {
-        "the noise allows it almost any value; a longer exposure, a sharper object or another depth would help"
+        format!("only {}", known.join(", "))
     }
 }
