@@ -23,7 +23,7 @@ pub struct Coverage {
 const OUTSIDE: f64 = 1e-5;
 /// Share that may come back to the object image from there, where light falls like 1/r without end, as that of
 /// Henyey-Greenstein's lobes does in small-angle theory: it is spread over all of the padded image.
-const RETURNED: f64 = 3e-4;
+const RETURNED: f64 = 2e-4;
 /// Largest error of the slices' transfer functions, as a share of the scattered light.
 const SLICE_TOLERANCE: f64 = 1e-4;
 /// What to tell a user of [`Coverage::cut`].
