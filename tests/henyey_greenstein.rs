@@ -10,7 +10,7 @@ use narrowbeam::fit::noise::with_noise;
 use narrowbeam::fit::scenes::{SceneFit, fit_scenes};
 use narrowbeam::fit::{Settings, profile};
 use narrowbeam::geometry::Geometry;
-use narrowbeam::image::{Border, View};
+use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Family, PhaseFunction};
 use narrowbeam::scene::MediumValues;
@@ -27,9 +27,26 @@ fn plane(tau: f64, absorbed: f64, g: f64, width_px: f64) -> Setting {
     Setting { texture: Texture::Checker, side: 48, pixel_pitch, z, medium }
 }
 
-fn fit(setting: &Setting, noise: f64, seed: u64) -> SceneFit {
-    let image = with_noise(&setting.render(Model::SmallAngle).unwrap(), noise, seed);
-    let scene = setting.scene(image, (noise > 0.0).then_some(noise)).unwrap();
+/// What the definition of the filter makes of it: nothing comes back from beyond any padding.
+fn defined(setting: &Setting) -> Image {
+    let (side, object) = (setting.side, setting.texture.image(setting.side));
+    let geometry = Geometry::planar(side, side, setting.pixel_pitch, setting.z).unwrap();
+    let target = Target {
+        radiance: &object,
+        behind: &[],
+        geometry: &geometry,
+        border: Border::Zero,
+        view: View::whole(side, side),
+        relief: None,
+    };
+    let (medium, phase) = (setting.medium.medium().unwrap(), setting.medium.lobe().unwrap());
+    let optics = Optics { model: Model::SmallAngle, medium, phase: &phase };
+    let data = direct_sum::render(&target, &optics).unwrap();
+    Image { width: side, height: side, data: data.into_iter().map(|v| v as f32).collect() }
+}
+
+fn fit(setting: &Setting, image: Image, noise: Option<f64>) -> SceneFit {
+    let scene = setting.scene(image, noise).unwrap();
     fit_scenes(&[scene], &Settings::default(), Filter::Auto).unwrap()
 }
 
@@ -75,7 +92,7 @@ fn without_noise_the_medium_comes_back() {
     for (tau, absorbed) in [(0.3, 0.1), (1.5, 0.4), (4.0, 0.2)] {
         for (g, width_px) in [(0.98, 1.0), (0.95, 3.0), (0.8, 8.0)] {
             let setting = plane(tau, absorbed, g, width_px);
-            let fit = fit(&setting, 0.0, 0);
+            let fit = fit(&setting, defined(&setting), None);
             let ([s, a, g_found], truth) = (fit.channels[0].1.parameters.values(), setting.medium.values());
             let errors = [s / truth[0] - 1.0, a / truth[1] - 1.0, (1.0 - g_found) / (1.0 - g) - 1.0];
             println!(
@@ -83,9 +100,9 @@ fn without_noise_the_medium_comes_back() {
                 errors[0], errors[1], errors[2]
             );
             assert!(fit.channels[0].1.converged, "{}", fit.channels[0].1.stop);
-            // The plans of image and fit pad differently, by which some 1e-4 of the scattered light comes back more or less;
-            // at tau 4 sigma_s and g trade against each other.
-            assert!(errors.iter().all(|e| e.abs() < 4e-3), "{tau} {g}: {errors:?}");
+            // Of the scattered light 2e-4 may come back from beyond the fit's padding, which looks like less absorption; at
+            // sigma_a z = .1 that is up to 2e-3 of it.
+            assert!(errors.iter().all(|e| e.abs() < 2e-3), "{tau} {g}: {errors:?}");
         }
     }
 }
@@ -93,7 +110,8 @@ fn without_noise_the_medium_comes_back() {
 #[test]
 fn intervals_of_g_are_those_of_the_relative_width_and_end_before_one() {
     let setting = plane(1.5, 0.3, 0.97, 4.0);
-    let fit = fit(&setting, 0.01, 3);
+    let image = with_noise(&setting.render(Model::SmallAngle).unwrap(), 0.01, 3);
+    let fit = fit(&setting, image, Some(0.01));
     let (channel, report) = (&fit.channels[0].1, &fit.report);
     assert_eq!(report.phase, "hg");
     let names: Vec<&String> = report.parameters.keys().collect();
