@@ -181,7 +181,7 @@ fn a_model_of_the_gaussian_lobe_is_refused_before_any_work() {
     let scene = setting.scene(setting.render(Model::SmallAngle).unwrap(), None).unwrap();
     for model in [Model::Gaussian, Model::NarrowBeam, Model::NarrowBeamPrinted, Model::WideAngle] {
         let settings = Settings { model, ..Settings::default() };
-        let error = fit_scenes(std::slice::from_ref(&scene), &settings, Filter::Auto).err().expect("refused");
+        let error = fit_scenes(std::slice::from_ref(&scene), &settings, Filter::Auto).expect_err("refused");
         let message = error.to_string();
         assert!(error.is_usage() && message.contains(model.name()), "{message}");
         assert!(message.contains("Henyey-Greenstein"), "{message}");
