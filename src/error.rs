@@ -80,7 +80,7 @@ pub enum Error {
     /// A model that needs the planar second moment of the phase function, which does not exist.
     #[error(
         "model {model} needs the second moment of the phase function, and that of {phase} is infinite; \
-         use small-angle or single-scatter"
+         use small-angle, single-scatter or wide-angle"
     )]
     NoSecondMoment {
         /// The model's name.
@@ -88,14 +88,12 @@ pub enum Error {
         /// The phase function.
         phase: Family,
     },
-    /// A model whose table was made for another phase function.
-    #[error(
-        "model {model} is made for the Gaussian phase function, not for {phase}; use small-angle or single-scatter"
-    )]
+    /// Something that is made for the Gaussian phase function alone.
+    #[error("{what} is made for the Gaussian phase function, not for {phase}")]
     OnlyGaussian {
-        /// The model's name.
-        model: &'static str,
-        /// The phase function.
+        /// What is.
+        what: &'static str,
+        /// The phase function that it was given.
         phase: Family,
     },
     /// A name that is none of those known.
@@ -137,13 +135,7 @@ pub type Result<T> = std::result::Result<T, Error>;
 impl Error {
     /// True where a model has no kernel for a medium, or nothing to fit: another model may.
     pub(crate) fn is_about_model(&self) -> bool {
-        matches!(
-            self,
-            Error::OutOfRange { .. }
-                | Error::NothingToFit(_)
-                | Error::NoSecondMoment { .. }
-                | Error::OnlyGaussian { .. }
-        )
+        matches!(self, Error::OutOfRange { .. } | Error::NothingToFit(_) | Error::NoSecondMoment { .. })
     }
 
     /// True where the user's input or usage is to blame, false where the machine is (disk full, say).

@@ -14,7 +14,7 @@
 //! | `narrow-beam-printed` | phi F(k beta/2), R of eq. 21 | Shinya et al., eq. 20, 21, 26, 28, G = erfc/2 | as published; B comes out low |
 //! | `narrow-beam` | phi F(k beta/2), R exact | the same kernel, exact moments | tau ≲ 2, small angles |
 //! | `small-angle` | T (exp(tau F(kz)) - 1) | Wells 1969; Ishimaru 1978, ch. 13 | tau·4B ≤ .05 to 1 % of M |
-//! | `wide-angle` | a mixture of Gaussians from a table | [`wide_angle`] | tau ≤ 12, sigma_a z ≤ 10, spread angle ≤ 60° |
+//! | `wide-angle` | a mixture of Gaussians from a table | [`wide_angle`] | tau ≤ 12, sigma_a z ≤ 10, spread angle ≤ 60° or g ≥ .5 |
 //!
 //! F is the mean planar transform of the phase function ([`crate::phase`]); in the moment-matched kernels it is
 //! that of a Gaussian lobe, whatever the phase function, and beta² = 3 R / phi.
@@ -29,12 +29,12 @@ pub mod wide_angle;
 
 use crate::error::{Error, Result, in_range};
 use crate::medium::Medium;
-use crate::phase::{Family, PhaseFunction, b_of_spread_angle};
+use crate::phase::{Family, PhaseFunction};
 use moment_matched::{MomentMatched, Moments, Profile};
 use std::fmt;
 use std::str::FromStr;
-use wide_angle::WideAngle;
-use wide_angle::table::{ABSORPTION, SPREAD_ANGLE_DEG, TAU};
+use wide_angle::layout::Layout;
+use wide_angle::{WideAngle, table_of};
 
 pub use dual::Dual;
 
@@ -199,15 +199,11 @@ impl Model {
     /// The media that there is a kernel for, with phase functions of `family`.
     ///
     /// # Errors
-    /// [`Error::NoSecondMoment`] or [`Error::OnlyGaussian`] if there are none.
+    /// [`Error::NoSecondMoment`] if there are none.
     pub fn range(self, family: Family) -> Result<Range> {
         let everything = Range { tau: f64::INFINITY, absorption: f64::INFINITY, shape: [0.0, f64::INFINITY] };
         match (self, family) {
-            (Model::WideAngle, Family::Gaussian) => {
-                let widest = b_of_spread_angle(SPREAD_ANGLE_DEG.1.to_radians());
-                Ok(Range { tau: TAU.1, absorption: ABSORPTION.1, shape: [0.0, widest] })
-            }
-            (Model::WideAngle, phase) => Err(Error::OnlyGaussian { model: self.name(), phase }),
+            (Model::WideAngle, family) => Ok(Layout::of(family).range()),
             (
                 Model::Gaussian | Model::NarrowBeamPrinted | Model::NarrowBeam,
                 phase @ Family::HenyeyGreenstein,
@@ -220,8 +216,7 @@ impl Model {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] unless `z` is finite and above 0, and beyond what the model is [made for](Model::range);
-    /// [`Error::NoSecondMoment`] if the model matches moments and the phase function has none; [`Error::OnlyGaussian`] if
-    /// it was tabulated for another.
+    /// [`Error::NoSecondMoment`] if the model matches moments and the phase function has none.
     pub fn kernel<'a>(
         self,
         medium: &Medium,
@@ -242,10 +237,7 @@ impl Model {
             Model::NarrowBeamPrinted => matched(Profile::Erfc, Moments::Printed),
             Model::NarrowBeam => matched(Profile::Erfc, Moments::Exact),
             Model::SmallAngle => Ok(Box::new(small_angle::SmallAngle::new(*medium, phase, z))),
-            Model::WideAngle => {
-                self.range(phase.family())?;
-                Ok(Box::new(WideAngle::new(&wide_angle::TABLE, medium, phase, z)?))
-            }
+            Model::WideAngle => Ok(Box::new(WideAngle::new(table_of(phase.family()), medium, phase, z)?)),
         }
     }
 }
