@@ -57,6 +57,7 @@ TARGETS = {
     "wide-30-thick": (23, wide_checker, None),
     "wide-45": (24, wide_checker, None),
     "wide-45-thin": (25, wide_checker, None),
+    "hg-90": (26, wide_checker, None),
     "traced-disks": (14, lambda rng: dead_leaves(rng, (0.15, 0.85), SIZE_PX), None),
     "traced-slope": (15, lambda rng: natural_checker(rng, SIZE_PX), (1.5, 11, 35)),
 }

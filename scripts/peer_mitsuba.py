@@ -96,6 +96,8 @@ def main():
         set_variant(arguments.variant or "llvm_ad_mono")
         scene = read_scene(arguments.dataset / "scene.toml")
         truth = read_media(arguments.dataset / "truth.toml", scene.radiance)[0]
+        if truth.g is not None:
+            raise InputError(f"{arguments.dataset}: medium.g is not supported: Gaussian phase functions only")
         channel = next(iter(scene.radiance))
         observed = read_exr(arguments.dataset / "observed.exr")[channel]
     except InputError as error:

@@ -40,7 +40,7 @@ fn what_is_said_is_not_silent() {
 
 #[test]
 fn a_tally_counts_silent_failures_and_needless_warnings() {
-    let medium = MediumValues { sigma_s: 1.0, sigma_a: 0.1, b: b_of_spread_angle(0.1) };
+    let medium = MediumValues::gaussian(1.0, 0.1, b_of_spread_angle(0.1));
     let setting = Setting { texture: Texture::Checker, side: 8, pixel_pitch: 0.1, z: 1.0, medium };
     let trial = |sweep, outcome| Trial {
         sweep,

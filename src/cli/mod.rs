@@ -51,7 +51,7 @@ enum Command {
     Calibrate(calibrate::Arguments),
     /// Map where each method fails, and whether it says so
     Stability(stability::Arguments),
-    /// Make the table behind the model wide-angle from scratch
+    /// Make a table behind the model wide-angle from scratch
     Table(table::Arguments),
 }
 
