@@ -2,6 +2,7 @@
 
 use super::canvas::{Drawn, INK, PALETTE, bitmap, label, text, text_width, write_png, write_svg};
 use super::scale::Scale;
+use super::signs::Sign;
 use crate::error::Result;
 use plotters::chart::ChartBuilder;
 use plotters::coord::Shift;
@@ -55,12 +56,19 @@ pub enum Mark {
     Points,
     /// A broad gray line beneath the others: for measured values too many for points.
     Broad,
+    /// A thin dark line, dashed or not: for bounds and levels.
+    Thin {
+        /// Dashed.
+        dashed: bool,
+    },
+    /// The points alone as this sign, in the colour that the series at this place has; dark without a place.
+    Signs(Sign, Option<usize>),
 }
 
 /// Named points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// The name in the legend.
+    /// The name in the legend; empty: the legend leaves it out.
     pub name: String,
     /// (x, y), in increasing x.
     pub points: Vec<(f64, f64)>,
@@ -92,11 +100,12 @@ impl Series {
         let ends = [(x, y), (x + SAMPLE_PX, y)];
         let drawn = match self.mark {
             Mark::Points => area.draw(&Circle::new((x + SAMPLE_PX / 2, y), 4, style.filled())),
-            Mark::Line if is_dashed(i) => {
+            Mark::Signs(sign, _) => sign.draw(area, (x + SAMPLE_PX / 2, y), style),
+            _ if self.is_dashed(i) => {
                 let mut dashes = DashedLineSeries::new(ends, 9, 5, style).into_iter();
                 dashes.try_for_each(|d| area.draw(&d))
             }
-            Mark::Line | Mark::Broad => area.draw(&PathElement::new(ends, style)),
+            Mark::Line | Mark::Broad | Mark::Thin { .. } => area.draw(&PathElement::new(ends, style)),
         };
         let name = Text::new(self.name.clone(), (x + SAMPLE_PX + 10, y), label(LABEL_PX));
         drawn.and_then(|()| area.draw(&name)).map_err(|e| e.to_string())
@@ -106,7 +115,19 @@ impl Series {
     fn style(&self, i: usize) -> ShapeStyle {
         match self.mark {
             Mark::Broad => BROAD.stroke_width(BROAD_PX),
+            Mark::Thin { .. } => INK.stroke_width(1),
+            Mark::Signs(_, None) => INK.stroke_width(LINE_PX),
             Mark::Line | Mark::Points => PALETTE[i % PALETTE.len()].stroke_width(LINE_PX),
+            Mark::Signs(_, Some(place)) => PALETTE[place % PALETTE.len()].stroke_width(LINE_PX),
+        }
+    }
+
+    /// Every other line is dashed, so that curves that coincide can both be seen.
+    fn is_dashed(&self, i: usize) -> bool {
+        match self.mark {
+            Mark::Line => i % 2 == 1,
+            Mark::Thin { dashed } => dashed,
+            Mark::Points | Mark::Broad | Mark::Signs(..) => false,
         }
     }
 
@@ -212,6 +233,13 @@ impl LineChart {
                     |p: (f64, f64, f64, f64)| PathElement::new([(p.0, end(p.2)), (p.0, end(p.3))], style);
                 chart.draw_series(shown.map(bar)).map_err(|e| e.to_string())?;
             }
+            if let Mark::Signs(sign, _) = series.mark {
+                let shown = series.points.iter().copied().filter(inside);
+                for point in shown {
+                    sign.draw(chart.plotting_area(), point, style).map_err(|e| e.to_string())?;
+                }
+                continue;
+            }
             if series.mark == Mark::Points {
                 let shown = series.points.iter().copied().filter(inside);
                 let dots = shown.map(|p| Circle::new(p, 4, style.filled()));
@@ -219,7 +247,7 @@ impl LineChart {
                 continue;
             }
             for piece in pieces_inside(&series.points, y) {
-                let drawn = if series.mark == Mark::Line && is_dashed(i) {
+                let drawn = if series.is_dashed(i) {
                     chart.draw_series(DashedLineSeries::new(piece, 9, 5, style)).map(drop)
                 } else {
                     chart.draw_series(LineSeries::new(piece, style)).map(drop)
@@ -232,8 +260,9 @@ impl LineChart {
 
     fn draw_legend<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn {
         let row_px = (1.6 * LABEL_PX) as i32;
-        for (i, series) in self.series.iter().enumerate() {
-            series.draw_sample(area, i, (6, 64 + row_px * i as i32))?;
+        let named = self.series.iter().enumerate().filter(|(_, series)| !series.name.is_empty());
+        for (row, (i, series)) in named.enumerate() {
+            series.draw_sample(area, i, (6, 64 + row_px * row as i32))?;
         }
         Ok(())
     }
@@ -247,11 +276,6 @@ pub(super) fn scales(charts: &[&LineChart]) -> [Scale; 2] {
     // Error bars below the smallest value would only stretch a logarithmic axis.
     let low = all().map(|p| if y_log { p.1 } else { p.2 });
     [x, Scale::around(low.chain(all().map(|p| p.3)), y_log, DECADES)]
-}
-
-/// Every other line is dashed, so that curves that coincide can both be seen.
-fn is_dashed(i: usize) -> bool {
-    i % 2 == 1
 }
 
 /// The parts of a curve that lie between the ends of the vertical axis, cut where they leave it.

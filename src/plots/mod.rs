@@ -10,8 +10,10 @@ mod lines;
 mod maps;
 mod panels;
 mod scale;
+mod signs;
 
 pub use chart_grid::ChartGrid;
 pub use lines::{Axis, LineChart, Mark, Series, Spread};
 pub use maps::{Map, MapGrid, MapRow};
 pub use panels::{Figure, Panel, Shade};
+pub use signs::{Shape, Sign};
