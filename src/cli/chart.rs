@@ -12,6 +12,7 @@ use crate::gpu::Gpu;
 use crate::io::atomic;
 use crate::study::chart::{Charted, Dataset, Effort, Step, read_trajectory};
 use anyhow::Result;
+use points::Clock;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -27,6 +28,9 @@ pub(super) struct Arguments {
     /// that is there
     #[arg(long, value_name = "DIR")]
     peer: Option<PathBuf>,
+    /// Which time is charted; the tables have both
+    #[arg(long, value_enum, default_value_t = Clock::Wall)]
+    clock: Clock,
     /// Fewer runs, coarser traced images: a look in seconds
     #[arg(long)]
     quick: bool,
@@ -68,10 +72,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let of = |(set, peer): (Dataset, Vec<Step>)| Charted::new(set, peer, &backends, &effort, &tick);
     let charted: Vec<Charted> = sets.into_iter().zip(peers).map(of).collect();
     drop(progress);
-    tables::write(&arguments.out, &charted)?;
+    tables::write(&arguments.out, &charted, arguments.clock)?;
     let adapter = gpu.as_ref().ok().map(|gpu| gpu.adapter().to_string());
-    pictures::write(&arguments.out, &charted, adapter.as_deref())?;
-    say(&aligned(&tables::fronts(&charted)))?;
+    pictures::write(&arguments.out, &charted, arguments.clock, adapter.as_deref())?;
+    say(&aligned(&tables::fronts(&charted, arguments.clock)))?;
     Ok(ExitCode::SUCCESS)
 }
 

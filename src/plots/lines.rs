@@ -289,15 +289,16 @@ fn pieces_inside(points: &[(f64, f64)], y: Scale) -> Vec<Vec<(f64, f64)>> {
             pieces.push(Vec::new());
             continue;
         }
-        let cut = |t: f64| {
-            let f = if from == to { 0.0 } else { (t.clamp(0.0, 1.0) - from) / (to - from) };
+        // The place at the height `t`; a level line is never cut, so its `end` says where on it that is.
+        let cut = |t: f64, end: f64| {
+            let f = if from == to { end } else { (t.clamp(0.0, 1.0) - from) / (to - from) };
             (pair[0].0 + f * (pair[1].0 - pair[0].0), y.value(t.clamp(0.0, 1.0)))
         };
         let piece = pieces.last_mut().expect("never empty");
         if piece.is_empty() {
-            piece.push(cut(from));
+            piece.push(cut(from, 0.0));
         }
-        piece.push(cut(to));
+        piece.push(cut(to, 1.0));
         if !(0.0..=1.0).contains(&to) {
             pieces.push(Vec::new());
         }
@@ -317,5 +318,12 @@ mod tests {
         let expected =
             vec![vec![(0.0, 0.5), (0.5, 1.0)], vec![(1.5, 1.0), (2.0, 0.5)], vec![(4.0, 0.2), (5.0, 0.4)]];
         assert_eq!(pieces_inside(&points, y), expected);
+    }
+
+    #[test]
+    fn a_level_line_and_steps_keep_their_corners() {
+        let y = Scale { low: 0.0, high: 1.0, log: false };
+        let steps = vec![(0.0, 0.5), (2.0, 0.5), (2.0, 0.25), (4.0, 0.25)];
+        assert_eq!(pieces_inside(&steps, y), [steps]);
     }
 }

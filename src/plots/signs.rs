@@ -49,19 +49,13 @@ impl Sign {
     where
         C::From: Clone,
     {
-        let inside = if self.filled { style.filled() } else { WHITE.filled() };
         let corners = self.corners();
+        let inside = if self.filled { style.filled() } else { WHITE.filled() };
         if corners.is_empty() {
-            area.draw(
-                &(EmptyElement::at(at)
-                    + Circle::new((0, 0), RADIUS, inside)
-                    + Circle::new((0, 0), RADIUS, style)),
-            )
-        } else {
-            let outline: Vec<_> = corners.iter().chain(&corners[..1]).copied().collect();
-            area.draw(
-                &(EmptyElement::at(at) + Polygon::new(corners, inside) + PathElement::new(outline, style)),
-            )
+            let disk = Circle::new((0, 0), RADIUS, style.filled());
+            return area.draw(&(EmptyElement::at(at) + disk + Circle::new((0, 0), RADIUS - 2, inside)));
         }
+        let outline: Vec<_> = corners.iter().chain(&corners[..1]).copied().collect();
+        area.draw(&(EmptyElement::at(at) + Polygon::new(corners, inside) + PathElement::new(outline, style)))
     }
 }

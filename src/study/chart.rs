@@ -4,7 +4,7 @@
 //! known and taken off in squares ([`rms_error`](crate::compare::rms_error)). The truth of a fit is the medium. Either leaves a
 //! *floor*: what the noise lets a perfect render, or a perfect fit, still show as an error.
 //!
-//! Time is that of the wall clock, the median of several runs.
+//! Times are medians of several runs.
 
 mod dataset;
 mod fits;

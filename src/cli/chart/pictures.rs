@@ -1,6 +1,6 @@
 //! The charts: a panel a dataset.
 
-use super::points::Points;
+use super::points::{Clock, Points};
 use crate::error::Result;
 use crate::filter::{Backend, Filter};
 use crate::plots::{Axis, ChartGrid, LineChart, Mark, Series, Shape, Sign};
@@ -17,18 +17,18 @@ const COLUMNS: usize = 3;
 const OTHER: usize = Model::ALL.len();
 
 /// Draws `charted`; `adapter` is the graphics adapter.
-pub(super) fn write(dir: &Path, charted: &[Charted], adapter: Option<&str>) -> Result<()> {
+pub(super) fn write(dir: &Path, charted: &[Charted], clock: Clock, adapter: Option<&str>) -> Result<()> {
     let adapter = adapter.map_or(String::new(), |adapter| format!("; gpu: {adapter}"));
-    let renders = grid(format!("Renders in the true medium{adapter}"), charted, render_panel);
+    let renders = grid(format!("Renders in the true medium{adapter}"), charted, |c| render_panel(c, clock));
     renders.write_png(&dir.join(FILES[0]))?;
     renders.write_svg(&dir.join(FILES[1]))?;
-    let fits = grid(format!("Fits of sigma_s, sigma_a and B{adapter}"), charted, fit_panel);
+    let fits = grid(format!("Fits of sigma_s, sigma_a and B{adapter}"), charted, |c| fit_panel(c, clock));
     fits.write_png(&dir.join(FILES[2]))?;
     fits.write_svg(&dir.join(FILES[3]))
 }
 
-fn grid(title: String, charted: &[Charted], panel: fn(&Charted) -> LineChart) -> ChartGrid {
-    let rows = charted.chunks(COLUMNS).map(|row| row.iter().map(panel).collect()).collect();
+fn grid(title: String, charted: &[Charted], panel: impl Fn(&Charted) -> LineChart) -> ChartGrid {
+    let rows = charted.chunks(COLUMNS).map(|row| row.iter().map(&panel).collect()).collect();
     ChartGrid { title, rows }
 }
 
@@ -65,8 +65,8 @@ fn title(charted: &Charted) -> String {
     format!("{}: tau {:.1}, {degrees:.0}°", charted.dataset.name, truth.sigma_s * charted.dataset.z)
 }
 
-fn render_panel(charted: &Charted) -> LineChart {
-    let points = Points::of_renders(charted);
+fn render_panel(charted: &Charted, clock: Clock) -> LineChart {
+    let points = Points::of_renders(charted, clock).percent();
     let reliefs =
         charted.renders.iter().any(|t| matches!(t.way, Way::Filter { filter: Filter::Composite, .. }));
     let at = |wanted: &dyn Fn(&Way, &str) -> bool| -> Vec<(f64, f64)> {
@@ -80,7 +80,7 @@ fn render_panel(charted: &Charted) -> LineChart {
         .map(|(m, model)| signs(model.name(), round(true), Some(m), Vec::new()))
         .collect();
     let traced = at(&|way, _| matches!(way, Way::Trace { .. }));
-    series.push(Series::line("traced, more and more paths", traced.clone()));
+    series.push(Series::line("tracer, more and more paths", traced.clone()));
     series.push(signs("", round(true), Some(OTHER), traced));
     for (shape, ours) in [(Shape::Triangle, Filter::Eq29), (Shape::Round, Filter::Composite)] {
         for filled in [false, true] {
@@ -98,21 +98,21 @@ fn render_panel(charted: &Charted) -> LineChart {
     }
     let triangle = Sign { shape: Shape::Triangle, filled: true };
     series.extend(key(&[
-        ("on the CPU", round(true)),
-        ("on the gpu", round(false)),
+        ("filled: on the CPU", round(true)),
+        ("open: on the gpu", round(false)),
         ("eq29 where composite differs", triangle),
     ]));
     series.extend(lines(&points, "floor: noise of the truth"));
     LineChart {
         title: title(charted),
-        x: Axis { label: "time of a render, prepared (s)".into(), log: true },
-        y: Axis { label: "rms error of the image (share)".into(), log: true },
+        x: Axis { label: format!("render, prepared ({})", clock.unit()), log: true },
+        y: Axis { label: "rms error of the image (%)".into(), log: true },
         series,
     }
 }
 
-fn fit_panel(charted: &Charted) -> LineChart {
-    let points = Points::of_fits(charted);
+fn fit_panel(charted: &Charted, clock: Clock) -> LineChart {
+    let points = Points::of_fits(charted, clock).percent();
     let at = |model: Option<Model>, on_cpu: bool| -> Vec<(f64, f64)> {
         let wanted = |backend: &str| (backend == Backend::Cpu.name()) == on_cpu;
         let trials = charted.fits.iter().zip(&points.all);
@@ -125,7 +125,7 @@ fn fit_panel(charted: &Charted) -> LineChart {
         .enumerate()
         .map(|(m, model)| signs(model.name(), round(true), Some(m), Vec::new()))
         .collect();
-    let way = charted.peer.iter().map(|step| (step.seconds, step.error)).collect();
+    let way = charted.peer.iter().map(|step| (clock.of_step(step), 100.0 * step.error)).collect();
     series.push(Series { mark: Mark::Broad, ..Series::line("peer: Mitsuba, step by step", way) });
     series.push(signs("auto", diamond(true), None, at(None, true)));
     series.push(signs("", diamond(false), None, at(None, false)));
@@ -137,12 +137,12 @@ fn fit_panel(charted: &Charted) -> LineChart {
                 .map(|(m, &model)| signs("", round(filled), Some(m), at(Some(model), filled))),
         );
     }
-    series.extend(key(&[("on the CPU", round(true)), ("on the gpu", round(false))]));
+    series.extend(key(&[("filled: on the CPU", round(true)), ("open: on the gpu", round(false))]));
     series.extend(lines(&points, "floor: standard error of auto"));
     LineChart {
         title: title(charted),
-        x: Axis { label: "time of the whole fit (s)".into(), log: true },
-        y: Axis { label: "largest error of a parameter (share)".into(), log: true },
+        x: Axis { label: format!("whole fit ({})", clock.unit()), log: true },
+        y: Axis { label: "largest error of a parameter (%)".into(), log: true },
         series,
     }
 }

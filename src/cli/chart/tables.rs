@@ -1,17 +1,17 @@
 //! The numbers of the charts as CSV, and their fronts as a table for people.
 
-use super::points::Points;
+use super::points::{Clock, Points};
 use crate::error::Result;
 use crate::fit::NAMES;
 use crate::io::atomic;
-use crate::study::chart::{Charted, FitTrial, RenderTrial, Way};
+use crate::study::chart::{Charted, FitTrial, RenderTrial, Timing, Way};
 use std::path::Path;
 
 /// The files that [`write`] makes.
 pub(super) const FILES: [&str; 3] = ["renders.csv", "fits.csv", "peer.csv"];
 
-pub(super) fn write(dir: &Path, charted: &[Charted]) -> Result<()> {
-    let tables = [renders(charted), fits(charted), peers(charted)];
+pub(super) fn write(dir: &Path, charted: &[Charted], clock: Clock) -> Result<()> {
+    let tables = [renders(charted, clock), fits(charted, clock), peers(charted)];
     FILES.iter().zip(tables).try_for_each(|(name, table)| atomic::write(&dir.join(name), table.as_bytes()))
 }
 
@@ -19,12 +19,12 @@ fn quote(text: &str) -> String {
     text.replace([',', '\n'], ";")
 }
 
-fn renders(charted: &[Charted]) -> String {
+fn renders(charted: &[Charted], clock: Clock) -> String {
     let mut text = String::from(
-        "dataset,model,filter,backend,paths_per_pixel,prepare_seconds,seconds,runs,error,std_error,floor,pixels,on_front,why_not\n",
+        "dataset,model,filter,backend,paths_per_pixel,prepare_seconds,prepare_cpu_seconds,seconds,cpu_seconds,runs,error,std_error,floor,pixels,on_front,why_not\n",
     );
     for c in charted {
-        let front = Points::of_renders(c).front;
+        let front = Points::of_renders(c, clock).front;
         for (i, trial) in c.renders.iter().enumerate() {
             text += &format!("{},{},{},", c.dataset.name, way(trial), trial.backend);
             if let Way::Trace { samples } = trial.way {
@@ -32,10 +32,14 @@ fn renders(charted: &[Charted]) -> String {
             }
             text += &match &trial.outcome {
                 Ok(r) => format!(
-                    ",{:.3e},{:.3e},{},{:.3e},{:.1e},",
-                    r.prepare_seconds, r.render.seconds, r.render.runs, r.error.value, r.error.std_error
+                    ",{},{},{},{:.3e},{:.1e},",
+                    r.preparation.map_or(",".into(), times),
+                    times(r.render),
+                    r.render.runs,
+                    r.error.value,
+                    r.error.std_error
                 ),
-                Err(_) => ",,,,,,".into(),
+                Err(_) => ",,,,,,,,".into(),
             };
             let why = trial.outcome.as_ref().err().map_or(String::new(), |why| quote(why));
             text +=
@@ -43,6 +47,11 @@ fn renders(charted: &[Charted]) -> String {
         }
     }
     text
+}
+
+/// By the wall clock, and of all cores.
+fn times(timing: Timing) -> String {
+    format!("{:.3e},{:.3e}", timing.seconds, timing.cpu_seconds)
 }
 
 /// Model and filter.
@@ -54,12 +63,12 @@ fn way(trial: &RenderTrial) -> String {
     format!("{},{filter}", trial.way.name())
 }
 
-fn fits(charted: &[Charted]) -> String {
-    let mut text = String::from("dataset,method,model,filter,backend,seconds,runs");
+fn fits(charted: &[Charted], clock: Clock) -> String {
+    let mut text = String::from("dataset,method,model,filter,backend,seconds,cpu_seconds,runs");
     NAMES.iter().for_each(|name| text += &format!(",error_{name}"));
     text += ",error,std_error,warnings,on_front,why_not\n";
     for c in charted {
-        let front = Points::of_fits(c).front;
+        let front = Points::of_fits(c, clock).front;
         for (i, trial) in c.fits.iter().enumerate() {
             text += &format!("{},{}\n", c.dataset.name, fit(trial, front.contains(&i)));
         }
@@ -69,7 +78,7 @@ fn fits(charted: &[Charted]) -> String {
 
 fn fit(trial: &FitTrial, on_front: bool) -> String {
     let method = trial.method.name();
-    let time = trial.time.map_or(",".into(), |t| format!("{:.3e},{}", t.seconds, t.runs));
+    let time = trial.time.map_or(",,".into(), |t| format!("{},{}", times(t), t.runs));
     let found = match &trial.outcome {
         Ok(fit) => {
             let each = fit.errors.map(|e| e.map_or(String::new(), |e| format!("{e:.3e}"))).join(",");
@@ -93,8 +102,8 @@ fn peers(charted: &[Charted]) -> String {
 }
 
 /// What is on the fronts, from fast to exact.
-pub(super) fn fronts(charted: &[Charted]) -> Vec<Vec<String>> {
-    let head = ["dataset", "", "front, from fast to exact", "seconds", "error %", "floor %"];
+pub(super) fn fronts(charted: &[Charted], clock: Clock) -> Vec<Vec<String>> {
+    let head = ["dataset", "", "front, from fast to exact", clock.unit(), "error %", "floor %"];
     let mut rows = vec![head.map(String::from).to_vec()];
     for c in charted {
         let renders = |i: usize| {
@@ -109,7 +118,7 @@ pub(super) fn fronts(charted: &[Charted]) -> Vec<Vec<String>> {
             c.fits.get(i).map_or("peer".into(), |trial| format!("{}, {}", trial.method.name(), trial.backend))
         };
         let names: [(&str, Points, &dyn Fn(usize) -> String); 2] =
-            [("render", Points::of_renders(c), &renders), ("fit", Points::of_fits(c), &fits)];
+            [("render", Points::of_renders(c, clock), &renders), ("fit", Points::of_fits(c, clock), &fits)];
         for (what, points, name) in names {
             let percent = |v: f64| format!("{:.3}", 100.0 * v);
             for &i in &points.front {

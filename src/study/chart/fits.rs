@@ -111,3 +111,25 @@ fn judge(fit: &SceneFit, set: &Dataset) -> std::result::Result<Fitted, String> {
     let warnings = report.warnings.iter().map(|w| w.code).collect();
     Ok(Fitted { model: report.model, filter: report.filter, errors, std_error, warnings })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_are_relative_and_where_nothing_absorbs_counted_per_path() {
+        let truth = MediumValues { sigma_s: 2.0, sigma_a: 0.5, b: 0.01 };
+        assert_eq!(relative_errors([2.0, 0.5, 0.01], &truth, 3.0), [0.0; 3]);
+        let [s, a, b] = relative_errors([1.0, 0.6, 0.02], &truth, 3.0);
+        assert!((s + 0.5).abs() < 1e-12 && (a - 0.2).abs() < 1e-12 && (b - 1.0).abs() < 1e-12);
+        let clear = MediumValues { sigma_a: 0.0, ..truth };
+        assert!((relative_errors([2.0, 0.01, 0.01], &clear, 3.0)[1] - 0.03).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_largest_error_counts_whatever_its_sign() {
+        let fitted = |errors| Fitted { model: "", filter: "", errors, std_error: 0.0, warnings: Vec::new() };
+        assert_eq!(fitted([Some(0.1), Some(-0.3), Some(0.2)]).error(), 0.3);
+        assert_eq!(fitted([Some(0.1), None, None]).error(), 0.1);
+    }
+}
