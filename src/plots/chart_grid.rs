@@ -1,7 +1,8 @@
 //! Line charts side by side, rows on common axes, with one legend above them.
 
 use super::canvas::{Drawn, bitmap, text, write_png, write_svg};
-use super::lines::{LABEL_PX, LineChart, Series, TITLE_PX, scales};
+use super::lines::{LineChart, TITLE_PX, scales};
+use super::series::{LABEL_PX, Series};
 use crate::error::Result;
 use plotters::coord::Shift;
 use plotters::prelude::{DrawingArea, DrawingBackend, Text};

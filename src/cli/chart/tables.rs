@@ -106,33 +106,31 @@ pub(super) fn fronts(charted: &[Charted], clock: Clock) -> Vec<Vec<String>> {
     let head = ["dataset", "", "front, from fast to exact", clock.unit(), "error %", "floor %"];
     let mut rows = vec![head.map(String::from).to_vec()];
     for c in charted {
-        let renders = |i: usize| {
+        let render = |i: usize| {
             let trial = &c.renders[i];
-            let filter = match trial.way {
-                Way::Filter { filter, .. } => format!(", {}", filter.name()),
-                Way::Trace { samples } => format!(", {samples} paths a pixel"),
+            let how = match trial.way {
+                Way::Filter { filter, .. } => filter.name().into(),
+                Way::Trace { samples } => format!("{samples} paths a pixel"),
             };
-            format!("{}{filter}, {}", trial.way.name(), trial.backend)
+            format!("{}, {how}, {}", trial.way.name(), trial.backend)
         };
-        let fits = |i: usize| {
+        let fit = |i: usize| {
             c.fits.get(i).map_or("peer".into(), |trial| format!("{}, {}", trial.method.name(), trial.backend))
         };
-        let names: [(&str, Points, &dyn Fn(usize) -> String); 2] =
-            [("render", Points::of_renders(c, clock), &renders), ("fit", Points::of_fits(c, clock), &fits)];
-        for (what, points, name) in names {
-            let percent = |v: f64| format!("{:.3}", 100.0 * v);
-            for &i in &points.front {
-                let Some((seconds, error)) = points.all[i] else { continue };
-                rows.push(vec![
-                    c.dataset.name.clone(),
-                    what.into(),
-                    name(i),
-                    format!("{seconds:.2e}"),
-                    percent(error),
-                    points.floor.map_or("-".into(), percent),
-                ]);
-            }
-        }
+        rows.extend(front(&[&c.dataset.name, "render"], &Points::of_renders(c, clock), render));
+        rows.extend(front(&[&c.dataset.name, "fit"], &Points::of_fits(c, clock), fit));
     }
     rows
+}
+
+/// A row for each point of a front: `first`, its `name`, time, error and floor.
+fn front(first: &[&str], points: &Points, name: impl Fn(usize) -> String) -> Vec<Vec<String>> {
+    let percent = |v: f64| format!("{:.3}", 100.0 * v);
+    let floor = points.floor.map_or("-".into(), percent);
+    let row = |&i: &usize| {
+        let (seconds, error) = points.all[i]?;
+        let numbers = [name(i), format!("{seconds:.2e}"), percent(error), floor.clone()];
+        Some(first.iter().map(|cell| cell.to_string()).chain(numbers).collect())
+    };
+    points.front.iter().filter_map(row).collect()
 }

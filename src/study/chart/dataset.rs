@@ -52,7 +52,10 @@ impl Dataset {
         let whole = folder.canonicalize().unwrap_or_else(|_| folder.to_path_buf());
         let name = whole.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let mut set = Self { name, scene, truth, z, counted: Vec::new(), observed: Vec::new() };
-        (set.counted, set.observed) = set.light()?;
+        for (channel, pixel, light) in set.light()? {
+            set.counted.push((channel, pixel));
+            set.observed.push(light);
+        }
         if set.compare(set.observed.iter().map(|o| o.value).collect()).is_none() {
             let what = format!("{}: its light is not above its noise", set.scene.path.display());
             return Err(Error::NothingToFit(what));
@@ -64,8 +67,8 @@ impl Dataset {
         self.scene.observation.as_ref().expect("read for a fit")
     }
 
-    /// The pixels that count, and the object's light there.
-    fn light(&self) -> Result<(Vec<(usize, usize)>, Vec<Estimate>)> {
+    /// Channel, index and object light of the pixels that count.
+    fn light(&self) -> Result<Vec<(usize, usize, Estimate)>> {
         let o = self.observation();
         let refuse = |why: &str| {
             let message = format!("[observation] {why}: without, the error of a render is not known");
@@ -78,7 +81,7 @@ impl Dataset {
         let variances =
             variances(o)?.ok_or_else(|| refuse("noise is missing, and so is a channel of variance"))?;
         let relief = Filter::Auto.relief(&self.scene.geometry);
-        let (mut counted, mut light) = (Vec::new(), Vec::new());
+        let mut light = Vec::new();
         for (c, channel) in o.image.iter().enumerate() {
             let hidden = self.with_optics(Model::SmallAngle, c, |optics| {
                 hidden_share(&self.target(c, relief.as_ref()), optics, Backend::Cpu)
@@ -93,14 +96,14 @@ impl Dataset {
                     Veil::Fixed(veil) => *veil,
                     Veil::Free => 0.0,
                 };
-                counted.push((c, i));
-                light.push(Estimate {
+                let seen = Estimate {
                     value: (f64::from(value) - veil) / gain,
                     std_error: f64::from(variances[c].image.data[i]).sqrt() / gain,
-                });
+                };
+                light.push((c, i, seen));
             }
         }
-        Ok((counted, light))
+        Ok(light)
     }
 
     /// Calls `f` with the optics of `model` in the medium of channel `c`.
