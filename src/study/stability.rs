@@ -6,7 +6,7 @@
 
 use super::setting::Setting;
 use crate::error::Result;
-use crate::filter::Filter;
+use crate::filter::{Backend, Filter};
 use crate::fit::ladder::climb;
 use crate::fit::scenes::{SceneFit, fit_scenes};
 use crate::fit::{Method as Solver, NAMES, Parameters, Settings, Status};
@@ -52,21 +52,29 @@ impl Method {
         }
     }
 
-    /// Fits `scene` and holds the outcome against the `truth`; `compared` are the parameters that have one.
-    pub fn try_on(self, scene: &Scene, setting: &Setting, compared: [bool; 3]) -> Outcome {
-        let clock = Instant::now();
+    /// Fits `scene`.
+    ///
+    /// # Errors
+    /// As [`fit_scenes`].
+    pub fn fit(self, scene: &Scene, backend: Backend) -> Result<SceneFit> {
         let settings = Settings {
             model: self.model.unwrap_or(Model::SmallAngle),
+            backend,
             method: self.solver,
             sums: self.solver == Solver::LevenbergMarquardt,
             ..Settings::default()
         };
         let scenes = std::slice::from_ref(scene);
-        let fit = match self.model {
+        match self.model {
             Some(_) => fit_scenes(scenes, &settings, Filter::Auto),
             None => climb(scenes, &settings, Filter::Auto, TOLERANCE),
-        };
-        let mut outcome = Outcome::new(fit, setting, compared);
+        }
+    }
+
+    /// Fits `scene` and holds the outcome against the `truth`; `compared` are the parameters that have one.
+    pub fn try_on(self, scene: &Scene, setting: &Setting, compared: [bool; 3]) -> Outcome {
+        let clock = Instant::now();
+        let mut outcome = Outcome::new(self.fit(scene, Backend::Cpu), setting, compared);
         outcome.seconds = clock.elapsed().as_secs_f64();
         outcome
     }

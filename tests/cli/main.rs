@@ -1,6 +1,7 @@
 //! The program as its users run it: exit codes, files, messages.
 
 mod bad_input;
+mod chart;
 mod fit;
 mod phase;
 mod render;
