@@ -8,13 +8,14 @@ use narrowbeam::spread::wide_angle::table::Table;
 use narrowbeam::spread::wide_angle::{TABLE, WideAngle};
 use narrowbeam::spread::{Dual, Model, SpreadKernel};
 use narrowbeam::trace::{
-    RadialConfig, RadialProfile, ScaledMedium, log_spaced, trace_histories, trace_radial,
+    Estimate, RadialConfig, RadialProfile, ScaledMedium, log_spaced, trace_histories, trace_radial,
 };
 
 /// Media of the comparison.
 const MEDIA: u32 = 40;
-/// Scattered paths of each.
+/// Scattered paths of each, of a run in seconds and of one in minutes.
 const PATHS: f64 = 3e5;
+const MANY_PATHS: f64 = 1e7;
 /// Worst error of the encircled energy, as a share of the scattered light.
 const BOUND: f64 = 0.005;
 /// Standard errors that the largest of some hundred correlated, normal errors exceeds in one of a hundred cases: that of
@@ -37,25 +38,24 @@ fn lobe(degrees: f64) -> Gaussian {
     Gaussian::new(b_of_spread_angle(degrees.to_radians())).unwrap()
 }
 
-/// Light traced to the depth 1.
-fn traced(medium: Medium, phase: &Gaussian, seed: u64) -> RadialProfile {
+/// Light traced to the depth 1 by so many scattered paths.
+fn traced(medium: Medium, phase: &Gaussian, paths: f64, seed: u64) -> RadialProfile {
     let width = phase.b().sqrt();
     let edges = log_spaced(1e-2 * width, 1e2 * width, 120);
-    let paths = (PATHS / -(-medium.sigma_s()).exp_m1()) as u64;
+    let paths = (paths / -(-medium.sigma_s()).exp_m1()) as u64;
     let config = RadialConfig { medium, depths: vec![1.0], edges, paths, seed };
     trace_radial(&config, phase, &|_| ()).unwrap().remove(0)
 }
 
-#[test]
-fn encircled_energy_is_that_of_fresh_tracing_over_the_whole_range() {
+/// The worst error in each of the media, with a line for people.
+fn worst_errors(paths: f64, seed: u64) -> Vec<(Estimate, String)> {
     println!("  tau  sigma_a z  angle  worst error ± noise   at r/r50   total error ± noise  small-angle");
-    let mut worst_case = (0.0, String::new());
-    for i in 1..=MEDIA {
+    let of_medium = |i: u32| {
         let tau = 0.05 * (12.0_f64 / 0.05).powf(halton(i, 2));
         let absorption = 11.0_f64.powf(halton(i, 3)) - 1.0;
         let degrees = 2.0 + 58.0 * halton(i, 5);
         let (medium, phase) = (Medium::new(tau, absorption).unwrap(), lobe(degrees));
-        let traced = traced(medium, &phase, 1000 + u64::from(i));
+        let traced = traced(medium, &phase, paths, seed + u64::from(i));
         let kernel = WideAngle::new(&TABLE, &medium, &phase, 1.0).unwrap();
         let worst = worst_encircled_error(&traced, &kernel).unwrap();
         let small = Model::SmallAngle.kernel(&medium, &phase, 1.0).unwrap();
@@ -71,20 +71,34 @@ fn encircled_energy_is_that_of_fresh_tracing_over_the_whole_range() {
             small.share.value,
         );
         println!("{row}");
-        let beyond_noise = worst.share.value - NORMAL * worst.share.std_error;
-        if beyond_noise > worst_case.0 {
-            worst_case = (beyond_noise, row);
-        }
-    }
-    println!("farthest beyond the noise of the comparison:\n{}", worst_case.1);
-    assert!(worst_case.0 < BOUND, "{}", worst_case.1);
+        (worst.share, row)
+    };
+    (1..=MEDIA).map(of_medium).collect()
+}
+
+#[test]
+fn encircled_energy_is_that_of_fresh_tracing_over_the_whole_range() {
+    let beyond = |error: &Estimate| error.value - NORMAL * error.std_error;
+    let errors = worst_errors(PATHS, 1000);
+    let worst = errors.iter().max_by(|a, b| beyond(&a.0).total_cmp(&beyond(&b.0))).unwrap();
+    println!("farthest beyond the noise of the comparison:\n{}", worst.1);
+    assert!(beyond(&worst.0) < BOUND, "{}", worst.1);
+}
+
+#[test]
+#[ignore = "eight minutes of processor time: the same with so little noise that none need be allowed for"]
+fn encircled_energy_is_within_its_bound_with_no_allowance_for_noise() {
+    let errors = worst_errors(MANY_PATHS, 2000);
+    let worst = errors.iter().max_by(|a, b| a.0.value.total_cmp(&b.0.value)).unwrap();
+    println!("worst:\n{}", worst.1);
+    assert!(worst.0.value < BOUND, "{}", worst.1);
 }
 
 #[test]
 fn the_comparison_refuses_small_angle_theory() {
     let (medium, phase) = (Medium::new(1.0, 0.2).unwrap(), lobe(20.0));
     let small = Model::SmallAngle.kernel(&medium, &phase, 1.0).unwrap();
-    let worst = worst_encircled_error(&traced(medium, &phase, 5), &*small).unwrap();
+    let worst = worst_encircled_error(&traced(medium, &phase, PATHS, 5), &*small).unwrap();
     assert!(worst.share.value - NORMAL * worst.share.std_error > BOUND, "{worst:?}");
 }
 

@@ -5,6 +5,7 @@ mod fit;
 mod render;
 mod studies;
 mod synthesize;
+mod table;
 mod workshop;
 
 #[path = "../common/program.rs"]
