@@ -14,6 +14,8 @@ use narrowbeam::synthesis::{Synthesis, synthesize};
 use std::path::PathBuf;
 use std::time::Instant;
 
+/// What `narrowbeam synthesize` takes for these scenes by itself: both are beyond small angles.
+const MODEL: Model = Model::WideAngle;
 /// Differences of this share of the mean light have the full colour.
 const FULL_COLOUR: f64 = 0.5;
 
@@ -31,7 +33,7 @@ fn main() -> anyhow::Result<()> {
         let name = folder.file_name().unwrap_or(folder.as_os_str()).display().to_string();
         let scene = Scene::read(&folder.join("scene.toml"), Purpose::Synthesize)?;
         let media = scene.medium_values([None; 3])?;
-        let made = |filter| synthesize(&scene, &media, Model::SmallAngle, filter, Backend::Cpu);
+        let made = |filter| synthesize(&scene, &media, MODEL, filter, Backend::Cpu);
         let start = Instant::now();
         let eq29 = made(Filter::Eq29)?;
         let middle = Instant::now();

@@ -16,6 +16,9 @@ const MEDIA: u32 = 40;
 /// Scattered paths of each, of a run in seconds and of one in minutes.
 const PATHS: f64 = 3e5;
 const MANY_PATHS: f64 = 1e7;
+/// Noise, as a share of the scattered light, above which the latter takes ten times as many: where nearly all paths are
+/// absorbed.
+const QUIET: f64 = 0.0005;
 /// Worst error of the encircled energy, as a share of the scattered light.
 const BOUND: f64 = 0.005;
 /// Standard errors that the largest of some hundred correlated, normal errors exceeds in one of a hundred cases: that of
@@ -47,17 +50,25 @@ fn traced(medium: Medium, phase: &Gaussian, paths: f64, seed: u64) -> RadialProf
     trace_radial(&config, phase, &|_| ()).unwrap().remove(0)
 }
 
-/// The worst error in each of the media, with a line for people.
-fn worst_errors(paths: f64, seed: u64) -> Vec<(Estimate, String)> {
+/// The worst error in each of the media, with a line for people; with ten times as many paths where its noise is above
+/// `quiet`.
+fn worst_errors(paths: f64, quiet: f64, seed: u64) -> Vec<(Estimate, String)> {
     println!("  tau  sigma_a z  angle  worst error ± noise   at r/r50   total error ± noise  small-angle");
     let of_medium = |i: u32| {
         let tau = 0.05 * (12.0_f64 / 0.05).powf(halton(i, 2));
         let absorption = 11.0_f64.powf(halton(i, 3)) - 1.0;
         let degrees = 2.0 + 58.0 * halton(i, 5);
         let (medium, phase) = (Medium::new(tau, absorption).unwrap(), lobe(degrees));
-        let traced = traced(medium, &phase, paths, seed + u64::from(i));
         let kernel = WideAngle::new(&TABLE, &medium, &phase, 1.0).unwrap();
-        let worst = worst_encircled_error(&traced, &kernel).unwrap();
+        let compared = |paths: f64| {
+            let traced = traced(medium, &phase, paths, seed + u64::from(i));
+            let worst = worst_encircled_error(&traced, &kernel).unwrap();
+            (traced, worst)
+        };
+        let (mut traced, mut worst) = compared(paths);
+        if worst.share.std_error > quiet {
+            (traced, worst) = compared(10.0 * paths);
+        }
         let small = Model::SmallAngle.kernel(&medium, &phase, 1.0).unwrap();
         let small = worst_encircled_error(&traced, &*small).unwrap();
         let total = traced.scattered();
@@ -79,16 +90,16 @@ fn worst_errors(paths: f64, seed: u64) -> Vec<(Estimate, String)> {
 #[test]
 fn encircled_energy_is_that_of_fresh_tracing_over_the_whole_range() {
     let beyond = |error: &Estimate| error.value - NORMAL * error.std_error;
-    let errors = worst_errors(PATHS, 1000);
+    let errors = worst_errors(PATHS, f64::INFINITY, 1000);
     let worst = errors.iter().max_by(|a, b| beyond(&a.0).total_cmp(&beyond(&b.0))).unwrap();
     println!("farthest beyond the noise of the comparison:\n{}", worst.1);
     assert!(beyond(&worst.0) < BOUND, "{}", worst.1);
 }
 
 #[test]
-#[ignore = "eight minutes of processor time: the same with so little noise that none need be allowed for"]
+#[ignore = "five minutes of processor time: the same with so little noise that none need be allowed for"]
 fn encircled_energy_is_within_its_bound_with_no_allowance_for_noise() {
-    let errors = worst_errors(MANY_PATHS, 2000);
+    let errors = worst_errors(MANY_PATHS, QUIET, 2000);
     let worst = errors.iter().max_by(|a, b| a.0.value.total_cmp(&b.0.value)).unwrap();
     println!("worst:\n{}", worst.1);
     assert!(worst.0.value < BOUND, "{}", worst.1);

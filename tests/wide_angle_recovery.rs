@@ -146,7 +146,9 @@ fn media_come_back_from_fresh_images_and_not_by_small_angle_theory() {
     print_heading();
     let case = |degrees, tau, albedo| Case { degrees, tau, albedo };
     for (seed, case) in
-        [case(10.0, 1.5, 0.9), case(30.0, 0.5, 0.9), case(45.0, 5.0, 0.9)].into_iter().enumerate()
+        [case(10.0, 1.5, 0.9), case(30.0, 0.5, 0.9), case(45.0, 5.0, 0.9), case(5.0, 5.0, 0.99)]
+            .into_iter()
+            .enumerate()
     {
         let rows = case.rows(1024, 300 + seed as u64);
         assert!(rows.iter().all(Row::keeps_the_promise));
