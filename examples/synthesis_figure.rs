@@ -10,8 +10,6 @@ use narrowbeam::spread::Model;
 use narrowbeam::synthesis::synthesize;
 use std::path::PathBuf;
 
-/// What `narrowbeam synthesize` takes for these scenes by itself: both are beyond small angles.
-const MODEL: Model = Model::WideAngle;
 /// White between the pictures, px.
 const GAP: usize = 6;
 
@@ -24,7 +22,7 @@ fn main() -> anyhow::Result<()> {
     for folder in arguments {
         let scene = Scene::read(&folder.join("scene.toml"), Purpose::Synthesize)?;
         let media = scene.medium_values([None; 3])?;
-        let made = synthesize(&scene, &media, MODEL, Filter::Auto, Backend::Cpu)?;
+        let made = synthesize(&scene, &media, Model::SmallAngle, Filter::Auto, Backend::Cpu)?;
         rows.push([made.clear.clone(), made.total()]);
     }
     let size = |channels: &[Channel]| (channels[0].image.width, channels[0].image.height);

@@ -8,12 +8,9 @@ use narrowbeam::spread::Model;
 use narrowbeam::synthesis::synthesize;
 use std::path::Path;
 
-/// What `narrowbeam synthesize` takes for this scene by itself: it is beyond small angles.
-const MODEL: Model = Model::WideAngle;
-
 /// Mean and root mean square error of each channel, over the mean of the traced light, the noise taken off.
 fn errors(scene: &Scene, media: &[MediumValues], witness: &ExrFile) -> Vec<[f64; 2]> {
-    let made = synthesize(scene, media, MODEL, Filter::Eq29, Backend::Cpu).unwrap();
+    let made = synthesize(scene, media, Model::SmallAngle, Filter::Eq29, Backend::Cpu).unwrap();
     let error = |channel: &narrowbeam::image::Channel| {
         let traced = |part: &str| witness.named(&format!("{part}.{}", channel.name)).unwrap().image;
         let (object, veil) = (traced("object"), traced("veil"));
