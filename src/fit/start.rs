@@ -90,7 +90,9 @@ impl Scan<'_> {
         let first = parameters.clone();
         let mut best = f64::INFINITY;
         let mut asked = 0;
-        for &depth in depths {
+        // Not what lies beyond the model's range: from its end a fit would not come back.
+        let within = |depth: &&f64| **depth <= 1.0 || first.values()[0] * **depth <= first.bounds(0)[1];
+        for &depth in depths.iter().filter(within) {
             for &shape in &widths {
                 let mut trial = first.clone();
                 trial.set(0, first.values()[0] * depth);

@@ -7,6 +7,7 @@ mod phase;
 mod render;
 mod studies;
 mod synthesize;
+mod table;
 mod workshop;
 
 #[path = "../common/program.rs"]

@@ -3,6 +3,7 @@
 use super::points::{Clock, Points};
 use crate::error::Result;
 use crate::filter::{Backend, Filter};
+use crate::phase::Family;
 use crate::plots::{Axis, ChartGrid, LineChart, Mark, Series, Shape, Sign};
 use crate::spread::Model;
 use crate::study::chart::{Charted, Way};
@@ -61,8 +62,11 @@ fn key(entries: &[(&str, Sign)]) -> Vec<Series> {
 
 fn title(charted: &Charted) -> String {
     let truth = charted.dataset.truth[0];
-    let degrees = (4.0 * truth.b).sqrt().to_degrees();
-    format!("{}: tau {:.1}, {degrees:.0}°", charted.dataset.name, truth.sigma_s * charted.dataset.z)
+    let lobe = match truth.family {
+        Family::Gaussian => format!("{:.0}°", (4.0 * truth.shape).sqrt().to_degrees()),
+        Family::HenyeyGreenstein => format!("g {}", truth.shape),
+    };
+    format!("{}: tau {:.1}, {lobe}", charted.dataset.name, truth.sigma_s * charted.dataset.z)
 }
 
 fn render_panel(charted: &Charted, clock: Clock) -> LineChart {

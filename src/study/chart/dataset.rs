@@ -6,10 +6,8 @@ use crate::filter::{Backend, Filter, Optics, Target, hidden_share};
 use crate::fit::path_lengths;
 use crate::image::{Channel, Image};
 use crate::io::exr::ExrFile;
-use crate::medium::Medium;
-use crate::phase::Gaussian;
 use crate::relief::Relief;
-use crate::scene::{Gain, MediumValues, Observation, Purpose, Scene, Veil, read_truth};
+use crate::scene::{Gain, MediumValues, Noise, Observation, Purpose, Scene, Veil, read_truth};
 use crate::spread::Model;
 use crate::trace::Estimate;
 use std::path::Path;
@@ -113,9 +111,8 @@ impl Dataset {
         c: usize,
         f: impl FnOnce(&Optics) -> Result<T>,
     ) -> Result<T> {
-        let MediumValues { sigma_s, sigma_a, b } = self.truth[c];
-        let phase = Gaussian::new(b)?;
-        f(&Optics { model, medium: Medium::new(sigma_s, sigma_a)?, phase: &phase })
+        let phase = self.truth[c].lobe()?;
+        f(&Optics { model, medium: self.truth[c].medium()?, phase: &phase })
     }
 
     /// Channel `c` of the object.
@@ -158,13 +155,15 @@ fn variances(observation: &Observation) -> Result<Option<Vec<Channel>>> {
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let variances = match ExrFile::read(&observation.path)?.channels(&names) {
         Err(Error::MissingChannel { .. }) => {
-            let uniform = |noise: f64, c: &Channel| {
-                let image = Image::filled(c.image.width, c.image.height, (noise * noise) as f32);
-                Channel { name: format!("{}.variance", c.name), image }
+            let uniform = |level: f64, c: &Channel| Channel {
+                name: format!("{}.variance", c.name),
+                image: Image::filled(c.image.width, c.image.height, (level * level) as f32),
             };
-            return Ok(observation
-                .noise
-                .map(|noise| observation.image.iter().map(|c| uniform(noise, c)).collect()));
+            let variances = |noise: &Noise| match noise {
+                Noise::Level(level) => observation.image.iter().map(|c| uniform(*level, c)).collect(),
+                Noise::Variance(variances) => variances.clone(),
+            };
+            return Ok(observation.noise.as_ref().map(variances));
         }
         read => read?,
     };

@@ -47,7 +47,7 @@ impl Fitted {
 
 /// Errors of sigma_s, sigma_a and B (`values`) relative to the truth; where that is no absorption, the error of sigma_a z.
 pub(super) fn relative_errors(values: [f64; 3], truth: &MediumValues, z: f64) -> [f64; 3] {
-    let truth = [truth.sigma_s, truth.sigma_a, truth.b];
+    let truth = truth.values();
     std::array::from_fn(|i| (values[i] - truth[i]) / scale(truth[i], z))
 }
 
@@ -118,7 +118,7 @@ mod tests {
 
     #[test]
     fn errors_are_relative_and_where_nothing_absorbs_counted_per_path() {
-        let truth = MediumValues { sigma_s: 2.0, sigma_a: 0.5, b: 0.01 };
+        let truth = MediumValues::gaussian(2.0, 0.5, 0.01);
         assert_eq!(relative_errors([2.0, 0.5, 0.01], &truth, 3.0), [0.0; 3]);
         let [s, a, b] = relative_errors([1.0, 0.6, 0.02], &truth, 3.0);
         assert!((s + 0.5).abs() < 1e-12 && (a - 0.2).abs() < 1e-12 && (b - 1.0).abs() < 1e-12);

@@ -5,8 +5,6 @@ use super::timing::{Effort, Timing};
 use crate::error::Result;
 use crate::filter::{Backend, Filter, Prepared};
 use crate::image::Image;
-use crate::medium::Medium;
-use crate::phase::Gaussian;
 use crate::scene::MediumValues;
 use crate::spread::Model;
 use crate::trace::{Estimate, ImageConfig, trace_image};
@@ -103,11 +101,11 @@ impl Dataset {
                 behind: &self.scene.behind[c],
                 border: self.scene.border,
                 view: self.scene.view,
-                medium: Medium::new(truth.sigma_s, truth.sigma_a)?,
+                medium: truth.medium()?,
                 samples,
                 seed: SEED + c as u64,
             };
-            Ok(trace_image(&config, &Gaussian::new(truth.b)?, &|_| ())?.mean)
+            Ok(trace_image(&config, &truth.lobe()?, &|_| ())?.mean)
         };
         effort.time(|| self.truth.iter().enumerate().map(trace).collect())
     }
