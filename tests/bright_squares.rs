@@ -8,8 +8,6 @@ use narrowbeam::filter::cpu::CpuFilter;
 use narrowbeam::filter::{Optics, Target};
 use narrowbeam::image::Image;
 use narrowbeam::io::exr::ExrFile;
-use narrowbeam::medium::Medium;
-use narrowbeam::phase::Gaussian;
 use narrowbeam::scene::{MediumValues, Purpose, Scene, read_truth};
 use narrowbeam::spread::Model;
 use std::path::{Path, PathBuf};
@@ -65,10 +63,9 @@ impl Square {
     }
 
     /// The worst error of `model`'s encircled energy in a medium, over all radii that the image holds.
-    fn worst(&self, model: Model, MediumValues { sigma_s, sigma_a, b }: MediumValues) -> Error {
-        let phase = Gaussian::new(b).unwrap();
-        let medium = Medium::new(sigma_s, sigma_a).unwrap();
-        let optics = Optics { model, medium, phase: &phase };
+    fn worst(&self, model: Model, truth: MediumValues) -> Error {
+        let phase = truth.lobe().unwrap();
+        let optics = Optics { model, medium: truth.medium().unwrap(), phase: &phase };
         let (geometry, radiance) = (&self.scene.geometry, &self.scene.object[0].image);
         let target = Target {
             radiance,
@@ -119,7 +116,7 @@ fn encircled_energy_is_that_of_mitsuba() {
             "| `{name}` | {} | {} | {:.0}° | {:.2} | {:.2} | {:.1} | {:.1} |",
             square.truth.sigma_s,
             square.truth.sigma_a,
-            (4.0 * square.truth.b).sqrt().to_degrees(),
+            (4.0 * square.truth.shape).sqrt().to_degrees(),
             100.0 * wide.share,
             100.0 * wide.noise,
             wide.radius_px,
@@ -135,11 +132,11 @@ fn encircled_energy_is_that_of_mitsuba() {
 fn another_medium_is_refused() {
     for name in names() {
         let square = Square::read(&name);
-        let MediumValues { sigma_s, sigma_a, b } = square.truth;
+        let MediumValues { sigma_s, sigma_a, shape, .. } = square.truth;
         let others = [
             MediumValues { sigma_s: 1.03 * sigma_s, ..square.truth },
             MediumValues { sigma_a: 1.03 * sigma_a + 0.02, ..square.truth },
-            MediumValues { b: 0.9 * b, ..square.truth },
+            MediumValues { shape: 0.9 * shape, ..square.truth },
         ];
         for other in others {
             let worst = square.worst(Model::WideAngle, other);
