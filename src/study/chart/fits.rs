@@ -29,7 +29,7 @@ pub struct Fitted {
     pub model: &'static str,
     /// Its filter.
     pub filter: &'static str,
-    /// Error of sigma_s, sigma_a and B over the truth ([`relative_errors`]), of the channel where it is largest; `None` if
+    /// Error of sigma_s, sigma_a and B over the truth, of the channel where it is largest; `None` if
     /// it was not fitted.
     pub errors: [Option<f64>; 3],
     /// The largest standard error of these, as relative.
