@@ -37,9 +37,16 @@ def medium_slab(medium, front, back, half_width):
             "sigma_t": sigma_t,
             "albedo": medium.sigma_s / sigma_t if sigma_t > 0 else 0.0,
             "sample_emitters": False,  # hopeless through a narrow phase function
-            "phase": {"type": "tabphase", "values": phase_table(medium.b)},
+            "phase": phase_function(medium),
         },
     }
+
+
+def phase_function(medium):
+    """Return the phase function of a medium; Mitsuba's hg scatters forward for g > 0 too."""
+    if medium.g is not None:
+        return {"type": "hg", "g": medium.g}
+    return {"type": "tabphase", "values": phase_table(medium.b)}
 
 
 def phase_nodes(b):

@@ -5,11 +5,12 @@ object image on the plane from which depths are counted. One world unit is the d
 deepest object point, so that Mitsuba's ray offsets suit any length unit.
 """
 
+from dataclasses import replace
+
 import mitsuba as mi
 import numpy as np
 
 from mitsuba_parts import emission, film, integrator, medium_slab
-from scene_file import Medium
 
 # Extent of the world, in depths of the deepest object point. The medium only has to be generous;
 # much wider, and the single precision of its front face shifts the image by parts of a pixel.
@@ -100,7 +101,8 @@ def medium_box(scene, medium, behind):
     """Return the slab of medium around the object."""
     height, width = scene.depth.shape
     half_width = MEDIUM_BESIDE + max(height, width) / 2 * scene.pixel_pitch / scene.deepest
-    scaled = Medium(medium.sigma_s * scene.deepest, medium.sigma_a * scene.deepest, medium.b)
+    sigma_s, sigma_a = medium.sigma_s * scene.deepest, medium.sigma_a * scene.deepest
+    scaled = replace(medium, sigma_s=sigma_s, sigma_a=sigma_a)
     return medium_slab(scaled, scene.surface / scene.deepest, 1 + behind, half_width)
 
 

@@ -43,11 +43,12 @@ class Scene:
 
 @dataclass(frozen=True)
 class Medium:
-    """sigma_s, sigma_a in 1/length; b, the width of the Gaussian phase function, in rad²."""
+    """sigma_s, sigma_a in 1/length; the phase function: a Gaussian of width b, rad², or if g is given Henyey-Greenstein's."""
 
     sigma_s: float
     sigma_a: float
-    b: float
+    b: float | None
+    g: float | None = None
 
 
 def read_toml(path):
@@ -202,8 +203,14 @@ def read_media(path, channels):
         raise InputError(f"{path}: table [medium] is missing")
     sigma_s = read_coefficient(medium, "sigma_s", len(channels))
     sigma_a = read_coefficient(medium, "sigma_a", len(channels))
-    if ("b" in medium.table) == ("spread_angle_deg" in medium.table):
-        medium.fail("b", "or medium.spread_angle_deg must be given, and not both")
+    shapes = [key for key in ("b", "spread_angle_deg", "g") if key in medium.table]
+    if len(shapes) != 1:
+        medium.fail("b", "or medium.spread_angle_deg or medium.g must be given, and only one of them")
+    if "g" in medium.table:
+        g = read_coefficient(medium, "g", len(channels))
+        if not all(0 < value < 1 for value in g):
+            medium.fail("g", f"must be between 0 and 1, exclusive, not {g}")
+        return [Medium(*values) for values in zip(sigma_s, sigma_a, [None] * len(g), g)]
     if "b" in medium.table:
         b = read_coefficient(medium, "b", len(channels))
     else:

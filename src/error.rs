@@ -1,5 +1,6 @@
 //! Every way in which the library can refuse, each naming the culprit.
 
+use crate::phase::Family;
 use std::path::PathBuf;
 
 /// What went wrong, with the name, file, key or pixel that is to be mended.
@@ -79,23 +80,21 @@ pub enum Error {
     /// A model that needs the planar second moment of the phase function, which does not exist.
     #[error(
         "model {model} needs the second moment of the phase function, and that of {phase} is infinite; \
-         use small-angle or single-scatter"
+         use small-angle, single-scatter or wide-angle"
     )]
     NoSecondMoment {
         /// The model's name.
         model: &'static str,
-        /// The phase function's name.
-        phase: &'static str,
+        /// The phase function.
+        phase: Family,
     },
-    /// A model whose table was made for another phase function.
-    #[error(
-        "model {model} is made for the gaussian phase function, not for {phase}; use small-angle or single-scatter"
-    )]
+    /// Something that is made for the Gaussian phase function alone.
+    #[error("{what} is made for the Gaussian phase function, not for {phase}")]
     OnlyGaussian {
-        /// The model's name.
-        model: &'static str,
-        /// The phase function's name.
-        phase: &'static str,
+        /// What is.
+        what: &'static str,
+        /// The phase function that it was given.
+        phase: Family,
     },
     /// A name that is none of those known.
     #[error("unknown {what} {name}; known are {known}")]
@@ -134,6 +133,11 @@ pub enum Error {
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {
+    /// True where a model has no kernel for a medium, or nothing to fit: another model may.
+    pub(crate) fn is_about_model(&self) -> bool {
+        matches!(self, Error::OutOfRange { .. } | Error::NothingToFit(_) | Error::NoSecondMoment { .. })
+    }
+
     /// True where the user's input or usage is to blame, false where the machine is (disk full, say).
     pub fn is_usage(&self) -> bool {
         match self {

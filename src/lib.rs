@@ -1,5 +1,6 @@
 //! Estimates a scattering medium from one blurred image: scattering coefficient sigma_s, absorption coefficient
-//! sigma_a and the width B of a Gaussian phase function, given the clear object image and its depth.
+//! sigma_a and the width B of a Gaussian phase function, or g of Henyey and Greenstein's, given the clear object image and its
+//! depth.
 //!
 //! # Image formation
 //!
@@ -23,6 +24,7 @@
 //! | sigma_s, sigma_a | `sigma_s`, `sigma_a` | scattering, absorption coefficient | 1/length |
 //! | sigma_t | `sigma_t` | extinction sigma_s + sigma_a | 1/length |
 //! | B | `b` | width of the phase function exp(-theta²/(4B)) | rad² |
+//! | g | `g` | mean cosine of the phase function | 1 |
 //! | sqrt(4B) | `spread_angle` | rms of a single deflection for small B | rad |
 //! | z | `path_length` | path in the medium along the line of sight: depth - surface | length |
 //! | tau | `tau` | scattering optical depth sigma_s z | 1 |

@@ -40,7 +40,7 @@ fn noise_of_spectrum(power: f64, contrast: f64) -> Image {
 }
 
 fn medium(tau: f64) -> MediumValues {
-    MediumValues { sigma_s: tau / Z, sigma_a: 0.1 / Z, b: b_of_spread_angle(0.05) }
+    MediumValues::gaussian(tau / Z, 0.1 / Z, b_of_spread_angle(0.05))
 }
 
 fn scene(object: &Image, z: f64, tau: f64) -> Scene {

@@ -1,15 +1,19 @@
 //! Histories against the radial tally, and reweighted histories against those of the other medium.
 
 use narrowbeam::medium::Medium;
-use narrowbeam::phase::{Gaussian, b_of_spread_angle};
+use narrowbeam::phase::{Family, b_of_spread_angle};
 use narrowbeam::trace::{
     Histories, History, RadialConfig, Reweighted, ScaledMedium, trace_histories, trace_radial,
 };
 
 const PATHS: u64 = 200_000;
 
+fn of_b(tau: f64, absorption: f64, b: f64) -> ScaledMedium {
+    ScaledMedium { tau, absorption, lobe: Family::Gaussian.lobe(b).unwrap() }
+}
+
 fn scaled(tau: f64, absorption: f64, degrees: f64) -> ScaledMedium {
-    ScaledMedium { tau, absorption, b: b_of_spread_angle(degrees.to_radians()) }
+    of_b(tau, absorption, b_of_spread_angle(degrees.to_radians()))
 }
 
 /// Light within `radius`.
@@ -29,7 +33,8 @@ fn light(medium: ScaledMedium, radius: f64) -> (f64, f64) {
 
 #[test]
 fn light_within_a_radius_is_that_of_the_radial_tally() {
-    for medium in [scaled(0.1, 0.0, 10.0), scaled(2.0, 1.0, 30.0), scaled(4.0, 4.0, 40.0)] {
+    let hg = ScaledMedium { tau: 2.0, absorption: 1.0, lobe: Family::HenyeyGreenstein.lobe(0.85).unwrap() };
+    for medium in [scaled(0.1, 0.0, 10.0), scaled(2.0, 1.0, 30.0), scaled(4.0, 4.0, 40.0), hg] {
         let radii = vec![0.3, 1.0];
         let config = RadialConfig {
             medium: Medium::new(medium.tau, medium.absorption).unwrap(),
@@ -38,7 +43,7 @@ fn light_within_a_radius_is_that_of_the_radial_tally() {
             paths: 1_000_000,
             seed: 12,
         };
-        let profile = trace_radial(&config, &Gaussian::new(medium.b).unwrap(), &|_| ()).unwrap().remove(0);
+        let profile = trace_radial(&config, &medium.lobe, &|_| ()).unwrap().remove(0);
         for (i, radius) in radii.into_iter().enumerate() {
             let (found, error) = light(medium, radius);
             let want = profile.encircled_energy(i);
@@ -80,9 +85,7 @@ fn reweighted_histories_are_those_of_the_other_medium() {
 #[test]
 fn derivatives_of_reweighted_light_are_those_of_its_differences() {
     let from = trace_histories(scaled(1.0, 0.3, 20.0), PATHS, 23).unwrap();
-    let at = |p: [f64; 3]| -> Reweighted {
-        from.reweighted(ScaledMedium { tau: p[0], absorption: p[1], b: p[2] }, near).unwrap()
-    };
+    let at = |p: [f64; 3]| -> Reweighted { from.reweighted(of_b(p[0], p[1], p[2]), near).unwrap() };
     let p = [1.1, 0.35, 0.031];
     for i in 0..3 {
         let step = 1e-4 * p[i];
@@ -99,7 +102,7 @@ fn derivatives_of_reweighted_light_are_those_of_its_differences() {
 #[test]
 fn derivatives_are_those_of_fresh_tracing() {
     let p = [1.0, 0.3, b_of_spread_angle(20.0_f64.to_radians())];
-    let medium = |p: [f64; 3]| ScaledMedium { tau: p[0], absorption: p[1], b: p[2] };
+    let medium = |p: [f64; 3]| of_b(p[0], p[1], p[2]);
     let paths = 4 * PATHS;
     let gradient =
         trace_histories(medium(p), paths, 31).unwrap().reweighted(medium(p), near).unwrap().gradient;

@@ -16,15 +16,11 @@ const THIN: Setting = Setting {
     side: 48,
     pixel_pitch: 0.03,
     z: 2.0,
-    medium: MediumValues { sigma_s: 0.7, sigma_a: 0.15, b: 0.004 },
+    medium: MediumValues::gaussian(0.7, 0.15, 0.004),
 };
 /// tau 10, the kernel a fifth of the view wide.
-const THICK: Setting = Setting {
-    side: 96,
-    pixel_pitch: 0.01,
-    medium: MediumValues { sigma_s: 5.0, sigma_a: 0.1, b: 5e-4 },
-    ..THIN
-};
+const THICK: Setting =
+    Setting { side: 96, pixel_pitch: 0.01, medium: MediumValues::gaussian(5.0, 0.1, 5e-4), ..THIN };
 /// Noise under which sigma_s and B of [`THICK`] are lost: the forecast standard error of their logarithms is .73.
 const MUCH_NOISE: f64 = 0.25;
 
@@ -90,7 +86,7 @@ const SEEDS: u64 = 8;
 #[test]
 fn a_thick_medium_shows_sigma_s_times_b_and_a_second_depth_parts_them() {
     let plan = Plan { noise: MUCH_NOISE, free_gain: false, free_veil: false };
-    let truth = THICK.medium.sigma_s * THICK.medium.b;
+    let truth = THICK.medium.sigma_s * THICK.medium.shape;
     let mut chosen = None;
     let mut undetermined = 0;
     for seed in 0..SEEDS {
@@ -206,13 +202,13 @@ fn where_all_is_determined_and_nothing_entangled_there_is_nothing_to_tell() {
     assert!(fit.report.advice.is_empty());
     let (value, error) = combination(&fit, "sigma_s·b");
     assert!(error / value < fit.channels[0].1.uncertainty.std_error(0).unwrap() / 3.0);
-    assert!((value / (THICK.medium.sigma_s * THICK.medium.b) - 1.0).abs() < 4.0 * error / value);
+    assert!((value / (THICK.medium.sigma_s * THICK.medium.shape) - 1.0).abs() < 4.0 * error / value);
 }
 
 #[test]
 fn what_direct_light_alone_shows_is_sigma_t() {
     let settings = Settings { model: Model::BeerLambert, ..Settings::default() };
-    let plane = Setting { medium: MediumValues { b: 0.2, ..THIN.medium }, pixel_pitch: 1e-3, ..THIN };
+    let plane = Setting { medium: MediumValues { shape: 0.2, ..THIN.medium }, pixel_pitch: 1e-3, ..THIN };
     let image = plane.render(Model::BeerLambert).unwrap();
     let mut found =
         fit_scenes(&[plane.scene(with_noise(&image, 1e-3, 1), None).unwrap()], &settings, Filter::Auto)

@@ -1,4 +1,4 @@
-//! `narrowbeam table`: makes the table of the model `wide-angle` from scratch.
+//! `narrowbeam table`: makes a table of the model `wide-angle` from scratch.
 //!
 //! Nodes are independent, each with its own seed, and are written as they are done; a run that was killed goes on
 //! from the last one.
@@ -8,7 +8,9 @@ use super::progress::Progress;
 use super::say;
 use crate::error::{Error, Result};
 use crate::io::atomic;
-use crate::spread::wide_angle::table::{NUMBERS, Table};
+use crate::phase::Family;
+use crate::spread::wide_angle::layout::Layout;
+use crate::spread::wide_angle::table::Table;
 use crate::table::node;
 use rayon::prelude::*;
 use std::fs;
@@ -21,6 +23,9 @@ const AT_ONCE: usize = 16;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
+    /// Phase function: gaussian, or hg (Henyey-Greenstein)
+    #[arg(long, value_name = "NAME", default_value = "gaussian")]
+    phase: Family,
     /// Paths traced for each node, up to eight times as many where absorption takes most of them
     #[arg(long, value_name = "N", default_value_t = 200_000, value_parser = clap::value_parser!(u64).range(1..1 << 32))]
     paths: u64,
@@ -37,15 +42,18 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let mut part = arguments.out.clone().into_os_string();
     part.push(".part");
     let part = PathBuf::from(part);
-    let fixed = format!("seed {}; paths {};", arguments.seed, arguments.paths);
+    let layout = Layout::of(arguments.phase);
+    // The first table was of the Gaussian, and does not name it.
+    let of = if arguments.phase == Family::Gaussian { "" } else { "hg; " };
+    let fixed = format!("{of}seed {}; paths {};", arguments.seed, arguments.paths);
     let line = Table::line(&format!("{fixed} {}", provenance()[0].1));
-    let mut bytes = resumed(&part, &line).unwrap_or_else(|| line.clone().into_bytes());
+    let mut bytes = resumed(&part, &line, layout).unwrap_or_else(|| line.clone().into_bytes());
     let unwritten = |source| Error::Write { path: part.clone(), source };
     fs::write(&part, &bytes).map_err(unwritten)?;
     let mut file = fs::OpenOptions::new().append(true).open(&part).map_err(unwritten)?;
 
-    let places = Table::places();
-    let done = (bytes.len() - line.len()) / (4 * NUMBERS);
+    let places = layout.places();
+    let done = (bytes.len() - line.len()) / (4 * layout.numbers());
     let progress = Progress::new("tracing", "nodes", places.len() as u64);
     progress.add(done as u64);
     for start in (done..places.len()).step_by(AT_ONCE) {
@@ -53,7 +61,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
             .into_par_iter()
             .map(|i| {
                 let seed = arguments.seed.wrapping_mul(places.len() as u64).wrapping_add(i as u64);
-                let numbers = node(&places[i], arguments.paths, seed)?;
+                let numbers = node(layout, &places[i], arguments.paths, seed)?;
                 progress.add(1);
                 Ok(numbers)
             })
@@ -70,10 +78,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
 }
 
 /// The complete nodes of a table begun with the same line.
-fn resumed(part: &Path, line: &str) -> Option<Vec<u8>> {
+fn resumed(part: &Path, line: &str, layout: &Layout) -> Option<Vec<u8>> {
     let mut bytes = fs::read(part).ok()?;
-    let (found, nodes) = Table::split(&bytes).ok()?;
-    let whole = line.len() + nodes.len() * 4 * NUMBERS;
+    let (found, numbers) = Table::split(&bytes).ok()?;
+    let whole = line.len() + numbers.len() / layout.numbers() * (4 * layout.numbers());
     if found != line {
         return None;
     }

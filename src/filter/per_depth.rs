@@ -21,7 +21,8 @@ const REACH: i32 = 6;
 /// Share of a kernel's light that may fall beyond the padding.
 const OUTSIDE: f64 = 1e-8;
 
-/// The image through the medium over the target's view, row-major.
+/// The image through the medium over the target's view, row-major. Kernels whose light falls like 1/r without end, as
+/// Henyey-Greenstein's in small-angle theory, would need an endless image: [`direct_sum`](super::direct_sum) serves for them.
 ///
 /// # Errors
 /// As [`Optics::kernel`].

@@ -2,9 +2,7 @@
 //! measurement would add at the medium found (see [`forecast`](super::forecast)).
 
 use super::displacement::Displacement;
-use super::{
-    ChannelFit, Datum, Exposure, ModelError, NAMES, NoiseTerm, Observed, Parameters, Problem, Renders,
-};
+use super::{ChannelFit, Datum, Exposure, ModelError, NoiseTerm, Observed, Parameters, Problem, Renders};
 use super::{Settings, Source, Status, Uncertainty, VeilTerm, with_optics};
 use crate::error::Result;
 use crate::filter::Target;
@@ -29,7 +27,7 @@ pub struct Advice {
     pub measurement: &'static str,
     /// Whether every free parameter would be determined.
     pub frees: bool,
-    /// Standard errors of sigma_s, sigma_a and B; `None` where fixed or still undetermined.
+    /// Standard errors of sigma_s, sigma_a and B or g; `None` where fixed or still undetermined.
     pub std_errors: [Option<f64>; 3],
 }
 
@@ -188,10 +186,7 @@ impl Plan<'_> {
         if let Some(error) = error {
             uncertainty.distrust(|i| error.reference_of(&Vector3::ith(i, 1.0)), fit.median_z);
         }
-        let std_error = |i: usize| {
-            let scale = if Parameters::is_logarithmic(i) { parameters.values()[i] } else { 1.0 };
-            uncertainty.std_error(i).map(|e| e * scale)
-        };
+        let std_error = |i: usize| uncertainty.std_error(i).map(|e| e * parameters.slope(i).abs());
         let frees = (0..3).all(|i| uncertainty.status(i) != Status::Undetermined);
         Ok(Advice { measurement, frees, std_errors: std::array::from_fn(std_error) })
     }
@@ -199,13 +194,14 @@ impl Plan<'_> {
 
 impl Advice {
     /// A line for people; names of parameters end in `suffix`.
-    pub(super) fn line(&self, values: [f64; 3], suffix: &str) -> String {
+    pub(super) fn line(&self, parameters: &Parameters, suffix: &str) -> String {
+        let names = parameters.names();
         let known = |i: usize| {
-            let (error, value) = (self.std_errors[i]?, values[i]);
+            let (error, value) = (self.std_errors[i]?, parameters.values()[i]);
             Some(if Parameters::is_logarithmic(i) {
-                format!("{}{suffix} ± {:.2} %", NAMES[i], 100.0 * error / value)
+                format!("{}{suffix} ± {:.2} %", names[i], 100.0 * error / value)
             } else {
-                format!("{}{suffix} ± {error:.2e}", NAMES[i])
+                format!("{}{suffix} ± {error:.2e}", names[i])
             })
         };
         let known: Vec<String> = (0..3).filter_map(known).collect();

@@ -4,9 +4,10 @@
 //! the coordinates (ln sigma_s, sigma_a, ln B) and C their covariance. Light scattered many times is spread by a Gaussian of
 //! variance (2/3) sigma_s B z³ an axis (Fermi and Eyges), so it shows sigma_s·B; light scattered once, seen near the centre of
 //! its kernel 1/r, shows sigma_s/√B; direct light sigma_t; and where a gain is free, the level of an image at one depth shows
-//! gain·exp(-sigma_a z).
+//! gain·exp(-sigma_a z). For Henyey-Greenstein's phase function 1 - g takes the place of B.
 
-use super::{ChannelFit, Datum, NAMES, Status, path_lengths};
+use super::{ChannelFit, Datum, Status, path_lengths};
+use crate::phase::Family;
 use nalgebra::Vector3;
 use serde::Serialize;
 
@@ -111,11 +112,15 @@ fn trouble(fit: &ChannelFit) -> [bool; 3] {
 /// The product of sigma_s and a power of B: the plainest of those that are known nearly as well as the best.
 fn product(fit: &ChannelFit) -> Option<Candidate> {
     let (sigma_s, b) = (fit.parameters.values()[0], fit.parameters.internal()[2].exp());
+    let width = match fit.parameters.family() {
+        Family::Gaussian => "b",
+        Family::HenyeyGreenstein => "(1 - g)",
+    };
     if !fit.model.spreads() {
         return None;
     }
     let candidate = |(power, text): (f64, &str)| {
-        let name = format!("{}{}", NAMES[0], text.replace('b', NAMES[2]));
+        let name = format!("{}{}", fit.parameters.names()[0], text.replace('b', width));
         let candidate = Candidate::of(name, sigma_s * b.powf(power), Vector3::new(1.0, 0.0, power));
         Some((candidate.error(fit)?, candidate))
     };

@@ -1,8 +1,9 @@
-//! Fitting a medium to observed images: sigma_s, sigma_a and B of one channel from any number of scenes.
+//! Fitting a medium to observed images: sigma_s, sigma_a and B or g of one channel from any number of scenes.
 //!
 //! The residual of a pixel is r = (gain · I(sigma_s, sigma_a, B) + veil - observed) / noise, I being the rendered
-//! object light, and noise one number a scene or the root of each pixel's variance. A free gain or veil enters linearly and is eliminated at every step (variable projection, Golub
-//! and Pereyra 1973); the rest is a damped Gauss-Newton iteration in (ln sigma_s, sigma_a, ln B).
+//! object light, and noise one number a scene or the root of each pixel's variance. A free gain or veil enters linearly and
+//! is eliminated at every step (variable projection, Golub and Pereyra 1973); the rest is a damped Gauss-Newton iteration in
+//! (ln sigma_s, sigma_a, ln B), or ln(1 - g) in place of ln B for Henyey-Greenstein's phase function.
 
 mod advice;
 mod comparison;
@@ -37,7 +38,7 @@ pub use identifiability::Combination;
 pub use input_error::InputError;
 pub use intervals::{Intervals, bootstrap, profile};
 pub use model_error::ModelError;
-pub use parameters::{Bounds, NAMES, Parameters, PathLengths};
+pub use parameters::{Bounds, NAMES, Parameters, PathLengths, names};
 
 pub use solver::Method;
 pub use uncertainty::{Status, Uncertainty};
@@ -47,7 +48,6 @@ use crate::filter::{Backend, Coverage, Optics, hidden_share};
 use crate::geometry::Geometry;
 use crate::image::Image;
 use crate::medium::Medium;
-use crate::phase::Gaussian;
 use crate::relief::Relief;
 use crate::scene::{FitOptions, Gain};
 use crate::spread::Model;
@@ -97,7 +97,7 @@ pub struct ChannelFit {
     pub model: Model,
     /// Where the fit began.
     pub start: [f64; 3],
-    /// sigma_s, sigma_a (1/length) and B (rad²) found, with what was free and the bounds.
+    /// sigma_s, sigma_a (1/length) and the shape of the phase function, B (rad²) or g, found, with what was free and the bounds.
     pub parameters: Parameters,
     /// Their covariance and what the data leave undetermined.
     pub uncertainty: Uncertainty,
@@ -105,6 +105,8 @@ pub struct ChannelFit {
     pub model_error: Option<ModelError>,
     /// What errors of the input do to them.
     pub input_error: InputError,
+    /// How far the data would move the coordinates on from the optimum, were there no bounds: a Gauss-Newton step.
+    pub pull: Vector3<f64>,
     /// By how many standard deviations blocks of residuals exceed what noise leaves in them.
     pub structure: f64,
     /// Gain, veil, noise and chi² of each scene.
@@ -137,7 +139,7 @@ pub struct ChannelFit {
     pub iterations: u64,
     /// Renders, with and without derivatives.
     pub evaluations: u64,
-    /// sigma_s, sigma_a and B as sums over the image had them, before renders confirmed them; `None` if renders alone found
+    /// sigma_s, sigma_a and the shape as sums over the image had them, before renders confirmed them; `None` if renders alone found
     /// the optimum.
     pub by_sums: Option<[f64; 3]>,
     /// Evaluations by sums.
@@ -184,13 +186,13 @@ const MOST_ROUNDS: usize = 6;
 
 /// Fits one channel's medium to `data`; all scenes share it.
 ///
-/// If the fit from the automatic start does not describe the images, it may have ended in a false minimum: kernels
-/// wider than the view are then tried as starts too, and the best of all fits counts; by sums they always are. Edges and
-/// slopes explain a misfit in another way, so scenes that have some are not tried again.
+/// If the fit from the automatic start does not describe the images or ends on a bound, it may have ended in a false
+/// minimum: kernels of other widths are then tried as starts too, and the best of all fits counts; by sums they always are.
+/// Edges and slopes explain a misfit in another way, so scenes that have some are not tried again.
 ///
 /// # Errors
 /// [`Error::NothingToFit`] if no pixel counts or every parameter is fixed, [`Error::OutOfRange`] for contradictory
-/// options, [`Error::NotFinite`] if a render is not finite.
+/// options, [`Error::NotFinite`] if a render is not finite, those of [`Model::range`].
 pub fn fit_channel(data: &[Datum], options: &FitOptions, settings: &Settings) -> Result<ChannelFit> {
     let observed = data.iter().map(Observed::new).collect::<Result<Vec<_>>>()?;
     let sums = settings.sums.then(|| Sums::of_all(&observed)).flatten();
@@ -198,8 +200,11 @@ pub fn fit_channel(data: &[Datum], options: &FitOptions, settings: &Settings) ->
     let mut best = fit(None, sums.as_deref())?;
     let automatic = settings.model.spreads() && options.start == [None; 3];
     let flat = || data.iter().all(|d| Relief::new(d.target.geometry).is_flat());
-    if best.reduced_chi2 > MISFIT && automatic && best.by_sums.is_none() && flat() {
-        for width in start::BEYOND_THE_VIEW {
+    let doubtful = best.reduced_chi2 > MISFIT
+        || best.structure > structure::STRUCTURED
+        || best.parameters.at_bound().iter().any(|&i| Parameters::is_logarithmic(i));
+    if doubtful && automatic && best.by_sums.is_none() && flat() {
+        for width in start::OTHER_WIDTHS {
             let other = fit(Some(width), None)?;
             if other.reduced_chi2 < best.reduced_chi2 {
                 best = other;
@@ -294,6 +299,7 @@ fn fit_from<'a>(
             // Where the noise was only estimated, a misfit counts as noise for the error bars.
             let inflation = if unknown_noise { reduced_chi2.max(1.0) } else { 1.0 };
             let mut uncertainty = Uncertainty::new(&last, &parameters, median_z, inflation);
+            let pull = uncertainty.step(&last.gradient);
             let exposures = exposures(&last, &observed, Some(&uncertainty));
             let transforms = renders.transforms();
             let mut at_optimum = Displacement {
@@ -318,6 +324,7 @@ fn fit_from<'a>(
                 start,
                 model_error,
                 input_error,
+                pull,
                 structure,
                 renders: images,
                 hidden_shares,
@@ -362,7 +369,7 @@ fn foresee<'a>(
 ) -> Result<Option<(Parameters, Uncertainty, Option<ModelError>)>> {
     let scenes: Vec<&Geometry> = data.iter().map(|d| d.target.geometry).collect();
     let mut parameters = match Parameters::new(options, settings.model, path_lengths(&scenes)) {
-        Err(Error::OutOfRange { .. } | Error::NothingToFit(_)) => return Ok(None),
+        Err(error) if error.is_about_model() => return Ok(None),
         parameters => parameters?,
     };
     parameters.set_internal(&pilot.parameters.internal());
@@ -454,8 +461,9 @@ fn finite(equations: NormalEquations, parameters: &Parameters) -> Result<NormalE
     if equations.is_finite() {
         Ok(equations)
     } else {
-        let [s, a, b] = parameters.values();
-        Err(Error::NotFinite(format!("the cost is not finite at sigma_s = {s}, sigma_a = {a}, b = {b}")))
+        let place: Vec<String> =
+            parameters.names().iter().zip(parameters.values()).map(|(n, v)| format!("{n} = {v}")).collect();
+        Err(Error::NotFinite(format!("the cost is not finite at {}", place.join(", "))))
     }
 }
 
@@ -465,8 +473,8 @@ pub(crate) fn with_optics<T>(
     model: Model,
     f: impl FnOnce(&Optics) -> Result<T>,
 ) -> Result<T> {
-    let [sigma_s, sigma_a, b] = parameters.values();
-    let phase = Gaussian::new(b)?;
+    let [sigma_s, sigma_a, shape] = parameters.values();
+    let phase = parameters.family().lobe(shape)?;
     f(&Optics { model, medium: Medium::new(sigma_s, sigma_a)?, phase: &phase })
 }
 

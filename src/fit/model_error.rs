@@ -7,21 +7,29 @@
 
 use super::displacement::Displacement;
 use super::{Datum, Settings, Status, with_optics};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::filter::Optics;
 use crate::image::Image;
+use crate::phase::Family;
 use crate::spread::Model;
 use nalgebra::Vector3;
 
 /// What every other model is measured against.
 const REFERENCE: Model = Model::WideAngle;
 /// Error of its scattered total: over 40 random media the largest that stands out of the noise of fresh tracing is .18 %,
-/// at tau 8.5 (`cargo test --release --test wide_angle -- --nocapture`).
-const REFERENCE_ERROR: f64 = 0.002;
+/// at tau 8.5, for the Gaussian; over 20, REPLACE for Henyey-Greenstein's lobe, whose table has fewer paths
+/// (`cargo test --release --test wide_angle -- --nocapture`).
+fn reference_error(family: Family) -> f64 {
+    match family {
+        Family::Gaussian => 0.002,
+        Family::HenyeyGreenstein => 0.004,
+    }
+}
 /// The bias is of first order: it foretells errors of up to 10 % to a quarter (tests/ladder.rs).
 const MARGIN: f64 = 1.25;
-/// Widths B (rad²) for which the error of a model without a width is reckoned, where none is given: the worst counts.
-const WIDTHS: [f64; 3] = [1e-3, 1e-2, 5e-2];
+/// Squared planar widths (rad², B of a Gaussian) of the lobes for which the error of a model without a width is reckoned, where
+/// none is given: the worst counts.
+const SQUARED_WIDTHS: [f64; 3] = [1e-3, 1e-2, 5e-2];
 
 /// What the model's error does to the coordinates (ln sigma_s, sigma_a, ln B), to first order.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,21 +49,26 @@ impl ModelError {
             return Ok(None);
         }
         let (parameters, settings) = (fit.parameters, fit.settings);
-        let widths = if parameters.is_placeholder(2) { &WIDTHS[..] } else { &parameters.values()[2..] };
+        let shapes = if parameters.is_placeholder(2) {
+            SQUARED_WIDTHS.map(|square: f64| parameters.family().of_width(square.sqrt())).to_vec()
+        } else {
+            vec![parameters.values()[2]]
+        };
         let mut worst: Option<Self> = None;
-        for &b in widths {
-            let images = with_optics(&parameters.with_b(b), REFERENCE, |optics| {
+        for shape in shapes {
+            let images = with_optics(&parameters.with_shape(shape), REFERENCE, |optics| {
                 let image = |d| reference(d, optics, settings);
                 fit.data.iter().map(image).collect::<Result<Vec<_>>>()
             });
             let images = match images {
-                Err(Error::OutOfRange { .. }) => return Ok(None),
+                Err(error) if error.is_about_model() => return Ok(None),
                 images => images?,
             };
+            let share = reference_error(parameters.family()) as f32;
             let more = |(whole, direct): &(Image, Image)| {
                 let mut image = whole.clone();
                 let pairs = image.data.iter_mut().zip(&direct.data);
-                pairs.for_each(|(w, d)| *w += REFERENCE_ERROR as f32 * (*w - d));
+                pairs.for_each(|(w, d)| *w += share * (*w - d));
                 image
             };
             let (with_more, _) = fit.towards(images.iter().map(more).collect())?;

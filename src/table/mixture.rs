@@ -5,7 +5,7 @@
 //! bin b and g_jb the share of Gaussian j that falls there. Shares stay positive and add up to 1, and as it starts
 //! from equal shares and is stopped, noise is not chased.
 
-use crate::spread::wide_angle::table::{RUNGS, rung};
+use crate::spread::wide_angle::layout::rung;
 use libm::erf;
 use std::f64::consts::PI;
 
@@ -13,24 +13,25 @@ use std::f64::consts::PI;
 const STEPS: usize = 3000;
 
 /// Where the light of each Gaussian falls: [bin][rung].
-pub(super) struct Laid(Vec<[f64; RUNGS]>);
+pub(super) struct Laid(Vec<Vec<f64>>);
 
 impl Laid {
-    /// Of Gaussians: within r is 1 - exp(-r²/2s²).
-    pub(super) fn light(edges: &[f64]) -> Self {
-        Self::new(edges, |y| -(-0.5 * y * y).exp_m1())
+    /// Of `rungs` Gaussians: within r is 1 - exp(-r²/2s²).
+    pub(super) fn light(rungs: usize, edges: &[f64]) -> Self {
+        Self::new(rungs, edges, |y| -(-0.5 * y * y).exp_m1())
     }
 
     /// Of their gradients, whose light in a ring is ∝ r² exp(-r²/2s²): Maxwell's distribution.
-    pub(super) fn slope(edges: &[f64]) -> Self {
-        Self::new(edges, |y| erf(y / 2.0_f64.sqrt()) - (2.0 / PI).sqrt() * y * (-0.5 * y * y).exp())
+    pub(super) fn slope(rungs: usize, edges: &[f64]) -> Self {
+        Self::new(rungs, edges, |y| erf(y / 2.0_f64.sqrt()) - (2.0 / PI).sqrt() * y * (-0.5 * y * y).exp())
     }
 
-    fn new(edges: &[f64], within: impl Fn(f64) -> f64) -> Self {
-        let mut inner = [0.0; RUNGS];
+    fn new(rungs: usize, edges: &[f64], within: impl Fn(f64) -> f64) -> Self {
+        let mut inner = vec![0.0; rungs];
         let bins = edges.iter().copied().chain([f64::INFINITY]).map(|edge| {
-            let outer = std::array::from_fn(|j| if edge.is_finite() { within(edge / rung(j)) } else { 1.0 });
-            let bin = std::array::from_fn(|j| outer[j] - inner[j]);
+            let up_to = |j: usize| if edge.is_finite() { within(edge / rung(j)) } else { 1.0 };
+            let outer: Vec<f64> = (0..rungs).map(up_to).collect();
+            let bin = outer.iter().zip(&inner).map(|(outer, inner)| outer - inner).collect();
             inner = outer;
             bin
         });
@@ -38,11 +39,13 @@ impl Laid {
     }
 
     /// The shares of the Gaussians in the light of all bins; bins without light count as empty.
-    pub(super) fn shares(&self, light: &[f64]) -> [f64; RUNGS] {
+    pub(super) fn shares(&self, light: &[f64]) -> Vec<f64> {
         let total: f64 = light.iter().map(|l| l.max(0.0)).sum();
-        let mut shares = [1.0 / RUNGS as f64; RUNGS];
+        let rungs = self.0[0].len();
+        let mut shares = vec![1.0 / rungs as f64; rungs];
+        let mut next = vec![0.0; rungs];
         for _ in 0..STEPS {
-            let mut next = [0.0; RUNGS];
+            next.fill(0.0);
             for (gaussians, light) in self.0.iter().zip(light).filter(|(_, l)| **l > 0.0) {
                 let model: f64 = gaussians.iter().zip(&shares).map(|(g, p)| g * p).sum();
                 let ratio = light / (total * model.max(f64::MIN_POSITIVE));
@@ -50,7 +53,7 @@ impl Laid {
                     *n += ratio * g;
                 }
             }
-            shares.iter_mut().zip(next).for_each(|(p, n)| *p *= n);
+            shares.iter_mut().zip(&next).for_each(|(p, n)| *p *= n);
         }
         shares
     }

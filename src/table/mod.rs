@@ -1,16 +1,16 @@
-//! Makes the table of the model `wide-angle`: light scattered once by quadrature, the rest traced, both laid out on
+//! Makes the tables of the model `wide-angle`: light scattered once by quadrature, the rest traced, both laid out on
 //! the mixture's Gaussians.
 
 mod mixture;
 mod once;
 
 use crate::error::Result;
-use crate::phase::{Gaussian, b_of_spread_angle};
-use crate::spread::wide_angle::table::{NUMBERS, Place, RUNGS, bending};
+use crate::phase::PhaseFunction;
+use crate::spread::wide_angle::layout::{Layout, Place, bending};
 use crate::trace::{ScaledMedium, log_spaced, trace_histories};
 use mixture::Laid;
 
-/// Edges of the radius bins, in units of z sqrt(B).
+/// Edges of the radius bins, in units of z times the lobe's planar width.
 fn edges() -> Vec<f64> {
     log_spaced(1e-4, 1e4, 231)
 }
@@ -24,35 +24,31 @@ struct Radial {
 /// Most paths of a node, as a multiple of those asked for.
 const MOST: f64 = 8.0;
 
-/// The numbers of one node from `paths` paths; more where most of them are absorbed on the excess path, some tau D² a
-/// /4 of the light.
+/// The numbers of one node of the table with this `layout` from `paths` paths; more where most of them are absorbed on the
+/// excess path, some tau D² a /4 of the light.
 ///
 /// # Errors
 /// Those of the tracer.
-pub fn node(place: &Place, paths: u64, seed: u64) -> Result<[f32; NUMBERS]> {
-    let Place { tau, absorption, spread_angle } = *place;
-    let b = b_of_spread_angle(spread_angle);
-    let edges = edges();
-    let mut radial = once::radial(tau, absorption, &Gaussian::new(b)?, &edges);
-    let effort = (1.0 + tau * spread_angle * spread_angle * absorption / 8.0).min(MOST);
+pub fn node(layout: &Layout, place: &Place, paths: u64, seed: u64) -> Result<Vec<f32>> {
+    let Place { tau, absorption, shape, angle } = *place;
+    let lobe = layout.family.lobe(shape)?;
+    let (edges, width) = (edges(), lobe.planar_width());
+    let mut radial = once::radial(tau, absorption, &lobe, &edges);
+    let effort = (1.0 + tau * angle * angle * absorption / 8.0).min(MOST);
     let paths = (paths as f64 * effort) as u64;
-    let histories = trace_histories(ScaledMedium { tau, absorption, b }, paths, seed)?;
+    let histories = trace_histories(ScaledMedium { tau, absorption, lobe }, paths, seed)?;
     for history in histories.paths.iter().filter(|h| h.scatterings > 1) {
-        let bin = edges.partition_point(|&e| e <= f64::from(history.radius) / b.sqrt());
+        let bin = edges.partition_point(|&e| e <= f64::from(history.radius) / width);
         radial.light[bin] += histories.weight;
         radial.slope[bin] += histories.weight * f64::from(history.slope);
     }
     let phi = -(-absorption).exp() * (-tau).exp_m1();
     let (total, rise) = (radial.light.iter().sum::<f64>(), radial.slope.iter().sum::<f64>());
-    let light = Laid::light(&edges).shares(&radial.light);
-    let slope = Laid::slope(&edges).shares(&radial.slope);
-    let mut numbers = [0.0; NUMBERS];
-    numbers[0] = ((total / phi).ln() / bending(spread_angle)) as f32;
+    let light = Laid::light(layout.rungs, &edges).shares(&radial.light);
+    let slope = Laid::slope(layout.rungs, &edges).shares(&radial.slope);
     // The gradient of a Gaussian of width s, r/s² G, has the integral sqrt(pi/2)/s.
-    numbers[1] = (rise / (total * (0.5 * std::f64::consts::PI).sqrt())).ln() as f32;
-    for j in 0..RUNGS {
-        numbers[2 + j] = light[j].sqrt() as f32;
-        numbers[2 + RUNGS + j] = slope[j].sqrt() as f32;
-    }
-    Ok(numbers)
+    let per_light = rise / (total * (0.5 * std::f64::consts::PI).sqrt());
+    let logarithms = [(total / phi).ln() / bending(angle), per_light.ln()];
+    let roots = light.iter().chain(&slope).map(|share| share.sqrt());
+    Ok(logarithms.into_iter().chain(roots).map(|v| v as f32).collect())
 }

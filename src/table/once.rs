@@ -9,13 +9,13 @@
 //! and its slope is tan(theta).
 
 use super::Radial;
-use crate::phase::{Gaussian, PhaseFunction};
+use crate::phase::{Family, Lobe, PhaseFunction};
 use crate::quadrature::nodes;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Light scattered once in the bins between `edges`, in units of z sqrt(B).
-pub(super) fn radial(tau: f64, absorption: f64, phase: &Gaussian, edges: &[f64]) -> Radial {
-    let width = phase.b().sqrt();
+/// Light scattered once in the bins between `edges`, in units of z times the lobe's planar width.
+pub(super) fn radial(tau: f64, absorption: f64, phase: &Lobe, edges: &[f64]) -> Radial {
+    let width = phase.planar_width();
     let within: Vec<[f64; 2]> = edges
         .iter()
         .map(|x| encircled(tau, absorption, phase, x * width))
@@ -28,14 +28,35 @@ pub(super) fn radial(tau: f64, absorption: f64, phase: &Gaussian, edges: &[f64])
     Radial { light: between(0), slope: between(1) }
 }
 
+/// Angles between which the integrand is smooth on the scale of the first of them or of the lobe's width, around the kink at
+/// `bend`. Twenty widths of a Gaussian hold all but exp(-100); Henyey-Greenstein's lobe falls like a power.
+fn pieces(phase: &Lobe, bend: f64) -> Vec<f64> {
+    let width = phase.planar_width();
+    match phase.family() {
+        Family::Gaussian => {
+            let end = FRAC_PI_2.min(20.0 * width);
+            vec![0.0, bend.min(end), end]
+        }
+        Family::HenyeyGreenstein => {
+            let doubled = (0..).map(|i| width * f64::from(1 << i)).take_while(|&theta| theta < FRAC_PI_2);
+            let mut all: Vec<f64> = [0.0, bend, FRAC_PI_2].into_iter().chain(doubled).collect();
+            all.sort_by(f64::total_cmp);
+            all
+        }
+    }
+}
+
 /// Light, and light times slope, within radius `r`.
-fn encircled(tau: f64, absorption: f64, phase: &Gaussian, r: f64) -> [f64; 2] {
+fn encircled(tau: f64, absorption: f64, phase: &Lobe, r: f64) -> [f64; 2] {
     let t = tau + absorption;
-    let end = FRAC_PI_2.min(20.0 * phase.b().sqrt());
-    let bend = r.atan().min(end);
     let mut sums = [0.0; 2];
-    for (from, to) in [(0.0, bend), (bend, end)] {
-        let panels = 1 + (2.0 * (to - from) / phase.b().sqrt()) as usize;
+    for piece in pieces(phase, r.atan()).windows(2) {
+        let (from, to) = (piece[0], piece[1]);
+        let scale = match phase.family() {
+            Family::Gaussian => phase.planar_width(),
+            Family::HenyeyGreenstein => phase.planar_width().max(from),
+        };
+        let panels = 1 + (2.0 * (to - from) / scale) as usize;
         for (theta, weight) in nodes(from, to, panels) {
             let (sin, cos) = theta.sin_cos();
             let reach = (r * cos / sin).min(1.0);

@@ -1,7 +1,7 @@
 //! Histories: what the likelihood of a traced path depends on, for the light that crosses a plane scattered.
 //!
 //! A pencil beam enters the half-space z > 0, as in [`trace_radial`](super::trace_radial); lengths are in units of the
-//! plane's depth, so that a medium is tau = sigma_s z, B and a = sigma_a z. Three things keep every path at work:
+//! plane's depth, so that a medium is tau = sigma_s z, a = sigma_a z and its phase function. Three things keep every path at work:
 //!
 //! - *The first scattering is drawn before the plane*, with density tau exp(-tau t)/(1 - exp(-tau)): no path is spent
 //!   on direct light.
@@ -15,7 +15,7 @@
 use super::path::{Path, free_path};
 use super::rng::Stream;
 use crate::error::{Result, in_range};
-use crate::phase::Gaussian;
+use crate::phase::{Lobe, PhaseFunction};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -29,8 +29,8 @@ pub struct ScaledMedium {
     pub tau: f64,
     /// Absorption optical depth sigma_a z.
     pub absorption: f64,
-    /// Width of the Gaussian phase function, rad².
-    pub b: f64,
+    /// Phase function.
+    pub lobe: Lobe,
 }
 
 /// One scattered path at its first crossing of the plane, lengths in units of the plane's depth.
@@ -72,14 +72,14 @@ struct Walker {
 /// Traces `paths` scattered paths in `medium`; the same for any number of threads.
 ///
 /// # Errors
-/// [`Error::OutOfRange`](crate::Error::OutOfRange) unless `tau` is finite and above 0, `absorption` finite and at least 0, `b` as
-/// [`Gaussian::new`] wants it, and `paths` between 1 and 2^32.
+/// [`Error::OutOfRange`](crate::Error::OutOfRange) unless `tau` is finite and above 0, `absorption` finite and at least 0,
+/// and `paths` between 1 and 2^32.
 pub fn trace_histories(medium: ScaledMedium, paths: u64, seed: u64) -> Result<Histories> {
-    let ScaledMedium { tau, absorption, b } = medium;
+    let ScaledMedium { tau, absorption, lobe } = medium;
     in_range("tau", tau, tau.is_finite() && tau > 0.0, "finite and above 0")?;
     in_range("sigma_a z", absorption, absorption.is_finite() && absorption >= 0.0, "finite and at least 0")?;
     in_range("paths", paths as f64, (1..=1 << 32).contains(&paths), "between 1 and 2^32")?;
-    let walk = Walk { tau: tau as f32, absorption: absorption as f32, phase: Gaussian::new(b)? };
+    let walk = Walk { tau: tau as f32, absorption: absorption as f32, phase: lobe };
     let seeds = Stream::key(seed);
     let stream = |stage: u64, i: u64| Stream::new(Stream::key(seeds.wrapping_add(stage)), i);
 
@@ -111,7 +111,7 @@ pub fn trace_histories(medium: ScaledMedium, paths: u64, seed: u64) -> Result<Hi
 struct Walk {
     tau: f32,
     absorption: f32,
-    phase: Gaussian,
+    phase: Lobe,
 }
 
 impl Walk {
@@ -151,7 +151,7 @@ impl Walk {
 }
 
 impl Walker {
-    fn scatter(&mut self, phase: &Gaussian, stream: &mut Stream) {
+    fn scatter(&mut self, phase: &impl PhaseFunction, stream: &mut Stream) {
         let angle = self.path.scatter(phase, stream);
         self.scatterings += 1;
         self.square_angles += angle * angle;

@@ -6,8 +6,8 @@
 //! n/tau - L, -L, and (S - n <theta²>)/4B². The farther the medium, the fewer paths carry the weight.
 
 use super::histories::{Histories, History, ScaledMedium};
-use crate::error::Result;
-use crate::phase::{Gaussian, PhaseFunction};
+use crate::error::{Error, Result};
+use crate::phase::{Gaussian, Lobe, PhaseFunction};
 
 /// A sum over reweighted paths.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,17 +20,26 @@ pub struct Reweighted {
     pub effective_paths: f64,
 }
 
+/// The Gaussian that `lobe` is.
+fn gaussian(lobe: &Lobe) -> Result<&Gaussian> {
+    match lobe {
+        Lobe::Gaussian(phase) => Ok(phase),
+        other => Err(Error::OnlyGaussian { what: "reweighting of paths", phase: other.family() }),
+    }
+}
+
 impl Histories {
     /// The expectation of `score` in `medium`.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a B that no phase function has.
+    /// [`Error::OnlyGaussian`] for another phase function.
     pub fn reweighted(&self, medium: ScaledMedium, score: impl Fn(&History) -> f64) -> Result<Reweighted> {
         let (from, to) = (self.medium, medium);
-        let (phase_from, phase_to) = (Gaussian::new(from.b)?, Gaussian::new(to.b)?);
+        let (phase_from, phase_to) = (gaussian(&from.lobe)?, gaussian(&to.lobe)?);
+        let (b_from, b_to) = (phase_from.b(), phase_to.b());
         let per_scattering = (to.tau * phase_to.eval(1.0) / (from.tau * phase_from.eval(1.0))).ln();
         let per_length = from.tau + from.absorption - to.tau - to.absorption;
-        let per_square = 0.25 / from.b - 0.25 / to.b;
+        let per_square = 0.25 / b_from - 0.25 / b_to;
         let mean_square = phase_to.mean_square_angle();
         let (mut value, mut gradient, mut weights, mut squares) = (0.0, [0.0; 3], 0.0, 0.0);
         for path in &self.paths {
@@ -38,7 +47,7 @@ impl Histories {
             let square = f64::from(path.square_angles);
             let ratio = (n * per_scattering + length * per_length + square * per_square).exp();
             let scored = self.weight * ratio * score(path);
-            let slopes = [n / to.tau - length, -length, 0.25 * (square - n * mean_square) / (to.b * to.b)];
+            let slopes = [n / to.tau - length, -length, 0.25 * (square - n * mean_square) / (b_to * b_to)];
             value += scored;
             gradient.iter_mut().zip(slopes).for_each(|(g, slope)| *g += scored * slope);
             weights += ratio;

@@ -111,18 +111,18 @@ const CURVES: [(&str, &str, bool); 7] = [
 fn curves(trials: &[Trial]) -> ChartGrid {
     let row = |&(sweep, label, log): &(&str, &str, bool)| {
         let here: Vec<&Trial> = trials.iter().filter(|t| t.sweep == sweep).collect();
-        let mut media: Vec<f64> = here.iter().map(|t| t.setting.medium.b).collect();
+        let mut media: Vec<f64> = here.iter().map(|t| t.setting.medium.shape).collect();
         media.dedup();
         media.into_iter().map(|b| chart(&here, b, label, log)).collect()
     };
     ChartGrid {
-        title: "Worst error of sigma_s, sigma_a z and B, tau 1.5, images traced; allowed: 4 standard errors + model error".into(),
+        title: "Worst error of sigma_s, sigma_a z and B; tau 1.5, images traced".into(),
         rows: CURVES.iter().map(row).collect(),
     }
 }
 
 fn chart(trials: &[&Trial], b: f64, label: &str, log: bool) -> LineChart {
-    let here = || trials.iter().filter(|t| t.setting.medium.b == b);
+    let here = || trials.iter().filter(|t| t.setting.medium.shape == b);
     let mut methods: Vec<String> = here().map(|t| t.method.name()).collect();
     methods.sort();
     methods.dedup();
@@ -135,7 +135,7 @@ fn chart(trials: &[&Trial], b: f64, label: &str, log: bool) -> LineChart {
         .collect();
     let wide = here().filter(|t| t.method.name() == "wide-angle");
     let allowed = wide.filter_map(|t| Some((t.level, 100.0 * t.outcome.allowed()?)));
-    series.push(Series::line("allowed for wide-angle", allowed.collect()));
+    series.push(Series::line("wide-angle: 4 standard errors + model error", allowed.collect()));
     LineChart {
         title: format!("spread angle {:.0}°", (4.0 * b).sqrt().to_degrees()),
         x: Axis { label: label.into(), log },

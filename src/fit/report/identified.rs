@@ -1,7 +1,7 @@
 //! The part of the report on what is determined where not everything is, and on what would free the rest.
 
 use super::{FitReport, significant};
-use crate::fit::{Advice, ChannelFit, NAMES};
+use crate::fit::{Advice, ChannelFit};
 use serde_json::{Map, Value, json};
 
 impl FitReport {
@@ -18,11 +18,11 @@ impl FitReport {
     pub(crate) fn add_advice(&mut self, channel: &str, channels: usize, fit: &ChannelFit, advice: &[Advice]) {
         let suffix = if channels == 1 { String::new() } else { format!(".{channel}") };
         for one in advice {
-            let names = NAMES.iter().map(|name| name.to_string());
+            let names = fit.parameters.names().into_iter().map(String::from);
             let errors: Map<String, Value> = names.zip(one.std_errors.iter().map(|e| json!(e))).collect();
             self.advice.push(json!({
                 "channel": channel, "measurement": one.measurement, "frees": one.frees, "std_errors": errors,
-                "message": one.line(fit.parameters.values(), &suffix),
+                "message": one.line(&fit.parameters, &suffix),
             }));
         }
     }

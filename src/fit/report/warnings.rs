@@ -5,26 +5,29 @@ use super::{Warning, significant};
 use crate::filter::CUT;
 use crate::fit::structure::STRUCTURED;
 use crate::fit::uncertainty::Status;
-use crate::fit::{ChannelFit, MISFIT, NAMES};
+use crate::fit::{ChannelFit, MISFIT};
 use crate::spread::{Model, SMALL_ANGLE_LIMIT, small_angle_error};
 use nalgebra::Vector3;
 
 /// Width of the kernel in views above which the image does not tell its shape: Henyey-Greenstein's lobes of g = .8 then pass
 /// for a Gaussian with 20 % less scattering (docs/stability.md).
 const WIDE_KERNEL: f64 = 0.5;
+/// Standard errors by which the data must want a parameter beyond its bound before that is no accident.
+const PRESSED: f64 = 3.0;
 /// Predicted error of a logarithm, or of sigma_a z, above which a model is said to be the wrong one.
 const LARGE_MODEL_ERROR: f64 = 0.1;
 
 /// The warnings of one channel, whose names end in `suffix`.
 pub(super) fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warning> {
     let mut all = Vec::new();
+    let (names, family) = (fit.parameters.names(), fit.parameters.family());
     let mut warn = |code, message| all.push(Warning { code, message });
     if !fit.converged {
         warn("not_converged", format!("the fit{suffix} stopped before its optimum: {}", fit.stop));
     }
     let lost: Vec<usize> = (0..3).filter(|&i| fit.uncertainty.status(i) == Status::Undetermined).collect();
     if !lost.is_empty() {
-        let names: Vec<String> = lost.iter().map(|&i| format!("{}{suffix}", NAMES[i])).collect();
+        let names: Vec<String> = lost.iter().map(|&i| format!("{}{suffix}", names[i])).collect();
         warn(
             "undetermined",
             format!("the data do not determine {}: {}", names.join(" and "), why(fit, model)),
@@ -64,7 +67,7 @@ pub(super) fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warn
             "structure",
             format!(
                 "the residual{suffix} is not noise: averaged over blocks of pixels it is {:.0} standard deviations above \
-                 what noise leaves; the lobe may not be Gaussian, the medium not homogeneous, gain, veil or depth wrong, \
+                 what noise leaves; the lobe may not be {family}, the medium not homogeneous, gain, veil or depth wrong, \
                  pixels saturated; the intervals do not hold that",
                 fit.structure
             ),
@@ -75,19 +78,27 @@ pub(super) fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warn
             "wide_kernel",
             format!(
                 "the kernel{suffix} is {:.1} views wide: the image shows only its core, so the estimates rest on a lobe that \
-                 is Gaussian, which the residual cannot tell; look at more of the scene",
+                 is {family}, which the residual cannot tell; look at more of the scene",
                 gauge.kernel_width_views
             ),
         );
     }
-    let on = fit.parameters.at_bound();
-    let pressed: Vec<String> = on
-        .iter()
-        .filter(|&&i| !(i == 1 && fit.parameters.values()[1] == 0.0))
-        .map(|&i| format!("{}{suffix}", NAMES[i]))
+    let pressed = |&i: &usize| fit.uncertainty.std_error(i).is_some_and(|e| fit.pull[i].abs() > PRESSED * e);
+    let pressed: Vec<String> = fit
+        .parameters
+        .at_bound()
+        .into_iter()
+        .filter(pressed)
+        .map(|i| format!("{}{suffix}", names[i]))
         .collect();
     if !pressed.is_empty() {
-        warn("at_bound", format!("on a bound, where the interval is cut: {}", pressed.join(", ")));
+        warn(
+            "at_bound",
+            format!(
+                "on a bound, beyond which the data want it, and where the interval is cut: {}",
+                pressed.join(", ")
+            ),
+        );
     }
     let free = |i: &usize| fit.uncertainty.status(*i) == Status::Free;
     match &fit.model_error {
@@ -113,13 +124,14 @@ pub(super) fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warn
         }
         None => (),
     }
-    let [sigma_s, _, b] = fit.parameters.values();
-    let validity = sigma_s * fit.median_z * 4.0 * b;
+    let [sigma_s, _, shape] = fit.parameters.values();
+    let (validity, square) =
+        (sigma_s * fit.median_z * family.square_angle(shape), family.square_angle_formula());
     if model.rests_on_small_angles() && validity > SMALL_ANGLE_LIMIT {
         warn(
             "outside_validity",
             format!(
-                "tau·4B{suffix} = {validity:.3} is above {SMALL_ANGLE_LIMIT}: {model} rests on small angles, whose \
+                "tau·{square}{suffix} = {validity:.3} is above {SMALL_ANGLE_LIMIT}: {model} rests on small angles, whose \
                  transfer function is off by {} here, which the residual does not show; the stated model error, which \
                  the intervals hold, is a prediction of first order; use --model wide-angle or auto",
                 small_angle_error(validity)

@@ -1,8 +1,8 @@
 //! `wide-angle`: right at every angle, from a table made by tracing.
 //!
-//! In units of the path length z a medium with a Gaussian phase function is three numbers: tau = sigma_s z,
-//! a = sigma_a z and the spread angle D = sqrt(4B). The table holds, at nodes of them, the kernel as a mixture of
-//! positive Gaussians of widths s_j = x_j z sqrt(B), which the small-angle kernel is exactly and the true one within the
+//! In units of the path length z a medium is three numbers: tau = sigma_s z, a = sigma_a z and the shape of the phase
+//! function, B or g; D is the root of its [square angle](crate::phase::Family::square_angle). The table of a family holds, at nodes of them, the kernel as a mixture of
+//! positive Gaussians of widths s_j = x_j z w, w the lobe's planar width, which the small-angle kernel is exactly and the true one within the
 //! errors that `tests/wide_angle.rs` prints:
 //!
 //! ```text
@@ -19,35 +19,53 @@
 //! - *Slope.* A path's radial slope times its light is laid out on gradients of the same Gaussians, r/s_j² G_j.
 //! - *Light scattered once* comes from quadrature; only the rest is traced. So there is no noise in the 1/r
 //!   singularity, and hardly any at small tau.
-//! - *Between nodes*: a polynomial on Chebyshev points in sqrt(tau), D and ln(1 + 2a). The kernel is even in D, and
+//! - *Between nodes*: a polynomial on Chebyshev points in sqrt(tau), ln(1 + 2a), and D or ln(1 - g) ([`layout`]). It is
 //!   entire in tau but for the zeros of phi; in a it has its next singularity at the slowest decay of light kept in
 //!   the layer, some -.4. So the error falls geometrically with the number of nodes, and all derivatives are
 //!   continuous.
 //!
-//! The range is tau 0 to 12, sigma_a z 0 to 10 and D 0 to 60 degrees. The table in `tables/` was made by `narrowbeam table
-//! --paths 800000 --seed 1 --out tables/wide-angle.table`, as its first line says too.
+//! The range is tau 0 to 12, sigma_a z 0 to 10, and spread angles up to 60 degrees or g from .5 on. The tables in `tables/` were
+//! made by `narrowbeam table --paths 800000 --seed 1 --out tables/wide-angle.table` and `narrowbeam table --phase hg --paths
+//! 300000 --seed 1 --out tables/wide-angle-hg.table`, as their first lines say too.
 
+pub mod layout;
 pub mod table;
 
 use super::{Dual, SpreadKernel};
 use crate::error::Result;
 use crate::medium::Medium;
-use crate::phase::{Gaussian, PhaseFunction};
+use crate::phase::{Family, PhaseFunction};
+use layout::{Layout, rung};
 use std::f64::consts::PI;
 use std::sync::LazyLock;
-use table::{RUNGS, Table};
+use table::Table;
 
-/// The table that comes with the program.
-pub static TABLE: LazyLock<Table> = LazyLock::new(|| {
-    let bytes = include_bytes!("../../../tables/wide-angle.table");
-    Table::parse(bytes).expect("the embedded table is whole: a test reads it")
+/// The tables that come with the program.
+static GAUSSIAN: LazyLock<Table> =
+    LazyLock::new(|| embedded(Family::Gaussian, include_bytes!("../../../tables/wide-angle.table")));
+static HENYEY_GREENSTEIN: LazyLock<Table> = LazyLock::new(|| {
+    embedded(Family::HenyeyGreenstein, include_bytes!("../../../tables/wide-angle-hg.table"))
 });
+
+fn embedded(family: Family, bytes: &[u8]) -> Table {
+    Table::parse(Layout::of(family), bytes).expect("the embedded table is whole: a test reads it")
+}
+
+/// The table for `family` that comes with the program.
+pub fn table_of(family: Family) -> &'static Table {
+    match family {
+        Family::Gaussian => &GAUSSIAN,
+        Family::HenyeyGreenstein => &HENYEY_GREENSTEIN,
+    }
+}
 
 /// The tabulated kernel of one medium and path length.
 pub struct WideAngle<'a> {
     medium: Medium,
-    phase: &'a Gaussian,
+    phase: &'a dyn PhaseFunction,
     z: f64,
+    /// Derivative in the shape of the logarithm of every variance.
+    widening: f64,
     rungs: Vec<Rung>,
 }
 
@@ -62,17 +80,20 @@ struct Rung {
 }
 
 impl<'a> WideAngle<'a> {
-    /// The kernel of `table` for `medium` and `phase` after the path length `z`.
+    /// The kernel of `table`, that of the family of `phase`, for `medium` and `phase` after the path length `z`.
     ///
     /// # Errors
     /// [`Error::OutOfRange`](crate::Error::OutOfRange), with the range, where the table ends.
-    pub fn new(table: &Table, medium: &Medium, phase: &'a Gaussian, z: f64) -> Result<Self> {
-        let (tau, absorption, b) = (medium.tau(z), medium.sigma_a() * z, phase.b());
-        let node = table.at(tau, absorption, phase.spread_angle())?;
-        // From (tau, a, D) to (sigma_s, sigma_a, B).
+    ///
+    /// # Panics
+    /// If the table is another family's.
+    pub fn new(table: &Table, medium: &Medium, phase: &'a dyn PhaseFunction, z: f64) -> Result<Self> {
+        assert_eq!(table.layout().family, phase.family(), "the table of the family");
+        let node = table.at(medium.tau(z), medium.sigma_a() * z, phase.shape())?;
+        // From (tau, a) to (sigma_s, sigma_a).
         let in_medium = |d: Dual| Dual {
             value: d.value,
-            gradient: [z * d.gradient[0], z * d.gradient[1], 2.0 / phase.spread_angle() * d.gradient[2]],
+            gradient: [z * d.gradient[0], z * d.gradient[1], d.gradient[2]],
         };
         let exp = |d: Dual| d.value.exp() * Dual { value: 1.0, gradient: d.gradient };
         let phi = Dual {
@@ -80,32 +101,34 @@ impl<'a> WideAngle<'a> {
             gradient: [z * medium.transmittance(z), -z * medium.scattered_total(z), 0.0],
         };
         let total = phi * exp(in_medium(node.total));
-        let width = Dual { value: z * b.sqrt(), gradient: [0.0, 0.0, 0.5 * z / b.sqrt()] };
+        let widening = z * phase.planar_width_derivative();
+        let width = Dual { value: z * phase.planar_width(), gradient: [0.0, 0.0, widening] };
         let rise = total * exp(in_medium(node.slope)) * width;
-        let shares = |roots: &[Dual; RUNGS]| -> Vec<Dual> {
+        let shares = |roots: &[Dual]| -> Vec<Dual> {
             let squares: Vec<Dual> = roots.iter().map(|&r| in_medium(r * r)).collect();
             let sum = squares.iter().fold(Dual::default(), |sum, &s| sum + s);
             squares.into_iter().map(|s| s / sum).collect()
         };
         let (light, slope) = (shares(&node.light_roots), shares(&node.slope_roots));
-        let rung = |j: usize| {
-            let x = table::rung(j);
+        let rung_of = |j: usize| {
+            let x = rung(j);
             Rung {
                 light: total * light[j],
                 slope: x * (rise * slope[j]),
                 variance: (x * width.value) * (x * width.value),
             }
         };
-        Ok(Self { medium: *medium, phase, z, rungs: (0..RUNGS).map(rung).collect() })
+        let widening = 2.0 * phase.planar_width_derivative() / phase.planar_width();
+        Ok(Self { medium: *medium, phase, z, widening, rungs: (0..light.len()).map(rung_of).collect() })
     }
 
     /// sum_j w_j exp(-s_j² k²/2) with its derivatives.
     fn mixture(&self, k: f64, weight: impl Fn(&Rung) -> Dual) -> Dual {
-        let b = self.phase.b();
         self.rungs.iter().fold(Dual::default(), |sum, rung| {
             let exponent = 0.5 * rung.variance * k * k;
             let gaussian = (-exponent).exp();
-            sum + weight(rung) * Dual { value: gaussian, gradient: [0.0, 0.0, -exponent / b * gaussian] }
+            sum + weight(rung)
+                * Dual { value: gaussian, gradient: [0.0, 0.0, -exponent * self.widening * gaussian] }
         })
     }
 }
@@ -130,10 +153,9 @@ impl SpreadKernel for WideAngle<'_> {
     /// The offset's share is exact: E[r exp(ik·r)] = -i grad M.
     fn mean_slope(&self, k: f64, nearness: f64) -> Dual {
         let steep = self.mixture(k, |rung| rung.slope);
-        let b = self.phase.b();
         let offset = self.mixture(k, |rung| {
-            rung.light
-                * Dual { value: rung.variance / self.z, gradient: [0.0, 0.0, rung.variance / (self.z * b)] }
+            let value = rung.variance / self.z;
+            rung.light * Dual { value, gradient: [0.0, 0.0, value * self.widening] }
         });
         k * k * (nearness * offset - steep)
     }

@@ -1,0 +1,167 @@
+//! Where the tables behind `wide-angle` have their nodes, and the ladders of their mixtures.
+//!
+//! Both families share the axes of tau and sigma_a z. The third is the spread angle D = sqrt(4B) of the Gaussian, in which the
+//! kernel is even, and ln(1 - g) of Henyey-Greenstein's lobe, whose kernel has wide angles at any g.
+
+use crate::chebyshev::Chebyshev;
+use crate::error::{Result, in_range};
+use crate::phase::{Family, b_of_spread_angle};
+use crate::spread::{Dual, Range};
+
+/// Width of the narrowest Gaussian in units of the lobe's planar width times z: a thousandth of the light scattered once falls
+/// within it.
+const NARROWEST: f64 = 1e-3;
+/// Ratio of neighbouring widths: the ripple of such a ladder is 3e-5 of a smooth mixture (see `filter::ladder`).
+const RATIO: f64 = 1.6;
+
+/// The layout of the table of one family of phase functions.
+#[derive(Debug, PartialEq)]
+pub struct Layout {
+    /// The family.
+    pub family: Family,
+    /// Gaussians of the mixture.
+    pub rungs: usize,
+    /// Nodes of tau, sigma_a z and the lobe's width.
+    pub counts: [usize; 3],
+    /// Ends of the third axis, in its coordinate: the narrowest lobe, within which the shape of the kernel no longer changes in
+    /// units of its width, and the widest.
+    ends: (f64, f64),
+}
+
+/// A medium at which a table has numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// sigma_s z.
+    pub tau: f64,
+    /// sigma_a z.
+    pub absorption: f64,
+    /// Shape of the phase function, B (rad²) or g.
+    pub shape: f64,
+    /// Root of the [square angle](Family::square_angle): sqrt(4B) or sqrt(2(1-g)), rad.
+    pub angle: f64,
+}
+
+/// Spread angles of 0.5 to 60 degrees.
+static GAUSSIAN: Layout = Layout {
+    family: Family::Gaussian,
+    rungs: 28,
+    counts: [11, 8, 11],
+    ends: (0.5_f64.to_radians(), 60.0_f64.to_radians()),
+};
+
+/// g of .998 to .5, from ln .002 to ln .5. A lobe narrower than that turns less than .6 % of the light by more than 20 degrees,
+/// where its kernel has another shape. Four more Gaussians reach as far in units of z.
+static HENYEY_GREENSTEIN: Layout = Layout {
+    family: Family::HenyeyGreenstein,
+    rungs: 32,
+    counts: [11, 8, 10],
+    ends: (-6.214_608_098_422_191, -std::f64::consts::LN_2),
+};
+
+/// What ln(W/phi), which falls like the square angle from 0, is divided by before it is tabulated at the `angle` of a
+/// [`Place`]: lest noise of thick, wide-angle, absorbing media spread to narrow ones. The constant keeps noise of narrow ones
+/// there.
+pub fn bending(angle: f64) -> f64 {
+    angle * angle + 0.07
+}
+
+/// Width of rung `j` in units of the lobe's planar width times z.
+pub fn rung(j: usize) -> f64 {
+    NARROWEST * RATIO.powi(j as i32)
+}
+
+impl Layout {
+    /// tau at the ends of a table; below, where all light is scattered once, the shape no longer changes.
+    pub const TAU: (f64, f64) = (1e-6, 12.0);
+    /// sigma_a z at the ends of a table.
+    pub const ABSORPTION: (f64, f64) = (0.0, 10.0);
+
+    /// The layout for `family`.
+    pub fn of(family: Family) -> &'static Self {
+        match family {
+            Family::Gaussian => &GAUSSIAN,
+            Family::HenyeyGreenstein => &HENYEY_GREENSTEIN,
+        }
+    }
+
+    /// Numbers of a node: two logarithms, and the roots of the shares of light and slope.
+    pub fn numbers(&self) -> usize {
+        2 + 2 * self.rungs
+    }
+
+    /// The axes in the coordinates of the interpolation.
+    pub(super) fn axes(&self) -> [Chebyshev; 3] {
+        let ends = [
+            (Self::TAU.0.sqrt(), Self::TAU.1.sqrt()),
+            ((2.0 * Self::ABSORPTION.0).ln_1p(), (2.0 * Self::ABSORPTION.1).ln_1p()),
+            self.ends,
+        ];
+        std::array::from_fn(|i| Chebyshev::new(self.counts[i], ends[i].0, ends[i].1))
+    }
+
+    /// The media of all nodes, in the order of the file.
+    pub fn places(&self) -> Vec<Place> {
+        let [tau, absorption, width] = self.axes();
+        let mut places = Vec::new();
+        for t in &tau.x {
+            for a in &absorption.x {
+                places.extend(width.x.iter().map(|&width| {
+                    let (shape, angle) = match self.family {
+                        Family::Gaussian => (b_of_spread_angle(width), width),
+                        Family::HenyeyGreenstein => {
+                            let g = self.family.shape(width);
+                            (g, self.family.square_angle(g).sqrt())
+                        }
+                    };
+                    Place { tau: t * t, absorption: 0.5 * a.exp_m1(), shape, angle }
+                }));
+            }
+        }
+        places
+    }
+
+    /// Coordinate of a shape on the third axis, and its derivative.
+    pub(super) fn place(&self, shape: f64) -> (f64, f64) {
+        let (coordinate, slope) = match self.family {
+            Family::Gaussian => ((4.0 * shape).sqrt(), 1.0 / shape.sqrt()),
+            Family::HenyeyGreenstein => (self.family.coordinate(shape), 1.0 / self.family.slope(shape)),
+        };
+        if coordinate > self.ends.0 { (coordinate, slope) } else { (self.ends.0, 0.0) }
+    }
+
+    /// [`bending`] at a shape.
+    pub(super) fn bending(&self, shape: f64) -> Dual {
+        let slope = match self.family {
+            Family::Gaussian => 4.0,
+            Family::HenyeyGreenstein => -2.0,
+        };
+        let angle = self.family.square_angle(shape).sqrt();
+        Dual { value: bending(angle), gradient: [0.0, 0.0, slope] }
+    }
+
+    /// Refuses lobes wider than the table has.
+    pub(super) fn check_width(&self, shape: f64) -> Result<()> {
+        match self.family {
+            Family::Gaussian => {
+                let (degrees, widest) = ((4.0 * shape).sqrt().to_degrees(), self.ends.1.to_degrees());
+                let allowed = "at most 60 degrees, where the table of model wide-angle ends (narrowbeam trace has no end)";
+                in_range("spread angle", degrees, degrees <= widest * (1.0 + 1e-12), allowed)?;
+            }
+            Family::HenyeyGreenstein => {
+                let allowed =
+                    "at least .5, where the table of model wide-angle ends (narrowbeam trace has no end)";
+                in_range("g", shape, shape >= self.family.shape(self.ends.1) * (1.0 - 1e-12), allowed)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The media that the table has kernels for.
+    pub fn range(&self) -> Range {
+        let shape = match self.family {
+            Family::Gaussian => [0.0, b_of_spread_angle(self.ends.1)],
+            Family::HenyeyGreenstein => [self.family.shape(self.ends.1), 1.0],
+        };
+        Range { tau: Self::TAU.1, absorption: Self::ABSORPTION.1, shape }
+    }
+}
