@@ -19,7 +19,7 @@ const PLANE: Setting = Setting {
     side: 48,
     pixel_pitch: 0.03,
     z: 2.0,
-    medium: MediumValues { sigma_s: 0.7, sigma_a: 0.15, b: 0.004 },
+    medium: MediumValues::gaussian(0.7, 0.15, 0.004),
 };
 
 const SCENE: &str = "[object]
@@ -64,7 +64,7 @@ const SEEDS: u64 = 6;
 #[test]
 fn a_traced_image_is_fitted_with_its_own_variance() {
     const SAMPLES: u32 = 64;
-    let phase = Gaussian::new(PLANE.medium.b).unwrap();
+    let phase = Gaussian::new(PLANE.medium.shape).unwrap();
     let (mut chi2, mut trusting_bright, mut careful) = (0.0, 0.0, 0.0);
     for seed in 1..=SEEDS {
         let traced = PLANE.trace(&phase, SAMPLES, seed).unwrap();
@@ -95,7 +95,7 @@ fn a_traced_image_is_fitted_with_its_own_variance() {
 
 #[test]
 fn one_variance_for_all_pixels_is_one_level_of_noise() {
-    let phase = Gaussian::new(PLANE.medium.b).unwrap();
+    let phase = Gaussian::new(PLANE.medium.shape).unwrap();
     let observed = PLANE.trace(&phase, 64, 1).unwrap().mean;
     let level = |noise: f64| fit(&observed, &[], &format!("noise = {noise}"));
     let variance = |v: f32| {
