@@ -130,11 +130,11 @@ fn a_forecast_has_the_errors_that_fits_will_have() {
     let ahead =
         forecast(std::slice::from_ref(&planned), &[PLANE.medium], &plan, &settings, Filter::Auto).unwrap();
     let found = fit(&planned);
-    for i in 0..3 {
+    for (i, name) in NAMES.into_iter().enumerate() {
         let error = |fit: &SceneFit| fit.channels[0].1.uncertainty.std_error(i).unwrap();
         let ratio = error(&ahead) / error(&found);
         // They differ as the estimates do: by a few of their relative errors.
-        assert!((ratio - 1.0).abs() < 0.05, "{}: {ratio}", NAMES[i]);
+        assert!((ratio - 1.0).abs() < 0.05, "{name}: {ratio}");
     }
     // At one depth a free gain leaves absorption open: known before anyone measures.
     let free = Plan { free_gain: true, ..plan };

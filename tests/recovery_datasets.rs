@@ -71,20 +71,23 @@ fn print_rows(name: &str, fit: &SceneFit, truth: [f64; 3], eq29: Option<[f64; 3]
         let p = &fit.report.parameters[parameter];
         let (value, error) = (p["value"].as_f64().unwrap(), p["std_error"].as_f64().unwrap());
         let percent = |error: f64| format!("{:.2}", 100.0 * error / truth[i]);
+        let [low, high] = [0, 1].map(|end| p["ci95"][end].as_f64().unwrap());
         println!(
-            "{name:16} {:9} {tau_4b:4.3} {:7.3} {parameter:8} {:9.5} {value:9.5} {error:9.1e} {:>8} {:10.1} {:>8}",
+            "{name:16} {:9} {tau_4b:4.3} {:7.3} {parameter:8} {:9.5} {value:9.5} {error:9.1e} {:>8} {:>8} {:10.1} {:>5} {:>8}",
             fit.report.filter,
             channel.reduced_chi2,
             truth[i],
+            percent(p["model_error"].as_f64().unwrap()),
             percent(errors[i]),
             errors[i] / error,
+            if (low..=high).contains(&truth[i]) { "yes" } else { "no" },
             eq29.map_or("-".into(), |e| percent(e[i]))
         );
     }
 }
 
-const HEADING: &str = "dataset          filter   tau·4B    chi² parameter    truth  estimate std error  error % \
-                       error/std   eq29 %";
+const HEADING: &str = "dataset          filter   tau·4B    chi² parameter    truth  estimate std error  model %  error % \
+                       error/std  ci95   eq29 %";
 
 #[test]
 fn every_dataset_gives_its_medium_back() {

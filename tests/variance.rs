@@ -74,12 +74,12 @@ fn a_traced_image_is_fitted_with_its_own_variance() {
         let naive = fit(&traced.mean, &[("known", traced.variance)], "variance = \"known.exr\"");
         let independent = fit(&traced.mean, &[("known", other)], "variance = \"known.exr\"");
         chi2 += own.reduced_chi2 / SEEDS as f64;
-        for i in 0..3 {
+        for (i, name) in NAMES.into_iter().enumerate() {
             let (error, in_errors) = off(&own, i);
             let model = own.model_error.unwrap().of(&nalgebra::Vector3::ith(i, 1.0));
-            println!("seed {seed}, {}: {in_errors:+.2} standard errors", NAMES[i]);
+            println!("seed {seed}, {name}: {in_errors:+.2} standard errors");
             // 18 normal numbers stay within 4 but once in 900 runs.
-            assert!(error.abs() < 4.0 * own.uncertainty.std_error(i).unwrap() + model, "{}", NAMES[i]);
+            assert!(error.abs() < 4.0 * own.uncertainty.std_error(i).unwrap() + model, "{name}");
         }
         careful += (off(&own, 0).1 - off(&independent, 0).1) / SEEDS as f64;
         trusting_bright += (off(&naive, 0).1 - off(&independent, 0).1) / SEEDS as f64;
