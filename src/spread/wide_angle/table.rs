@@ -6,7 +6,7 @@
 
 use super::layout::Layout;
 use crate::chebyshev::Chebyshev;
-use crate::error::{Error, Result, in_range};
+use crate::error::{Error, Result};
 use crate::spread::Dual;
 
 /// First words of a table's line.
@@ -76,20 +76,7 @@ impl Table {
     /// [`Error::OutOfRange`] outside the table.
     pub(super) fn at(&self, tau: f64, absorption: f64, shape: f64) -> Result<Interpolated> {
         let layout = self.layout;
-        let within = |v: f64, high: f64| v >= 0.0 && v <= high * (1.0 + 1e-12);
-        in_range(
-            "sigma_s z",
-            tau,
-            within(tau, Layout::TAU.1),
-            "between 0 and 12, where the table of model wide-angle ends (narrowbeam trace has no end)",
-        )?;
-        in_range(
-            "sigma_a z",
-            absorption,
-            within(absorption, Layout::ABSORPTION.1),
-            "between 0 and 10, where the table of model wide-angle ends (narrowbeam trace has no end)",
-        )?;
-        layout.check_width(shape)?;
+        layout.check(tau, absorption, shape)?;
 
         // Coordinates, and their derivatives in tau, sigma_a z and the shape.
         let (width, in_shape) = layout.place(shape);
