@@ -23,6 +23,7 @@ mod path;
 mod radial;
 mod reweight;
 mod rng;
+mod scene;
 mod surface;
 mod tally;
 
