@@ -7,9 +7,7 @@ use narrowbeam::phase::{Gaussian, b_of_spread_angle};
 use narrowbeam::spread::wide_angle::table::Table;
 use narrowbeam::spread::wide_angle::{TABLE, WideAngle};
 use narrowbeam::spread::{Dual, Model, SpreadKernel};
-use narrowbeam::trace::{
-    RadialConfig, RadialProfile, ScaledMedium, log_spaced, trace_histories, trace_radial,
-};
+use narrowbeam::trace::{RadialConfig, RadialProfile, Turbid, log_spaced, trace_histories, trace_radial};
 
 /// Media of the comparison.
 const MEDIA: u32 = 40;
@@ -94,10 +92,11 @@ fn the_mean_slope_is_that_of_fresh_histories() {
         let phase = lobe(degrees);
         let medium = Medium::new(tau, absorption).unwrap();
         let kernel = WideAngle::new(&TABLE, &medium, &phase, 1.0).unwrap();
-        let histories = trace_histories(ScaledMedium { tau, absorption, b: phase.b() }, 300_000, 77).unwrap();
+        let histories =
+            trace_histories(Turbid { sigma_s: tau, sigma_a: absorption, phase }, 300_000, 77).unwrap();
         for x in [0.3, 1.0, 3.0] {
             let k = x / phase.b().sqrt();
-            let score = |h: &narrowbeam::trace::History| {
+            let score = |h: &narrowbeam::trace::History<[f32; 1]>| {
                 -k * f64::from(h.slope) * j1(k * f64::from(h.radius)) * histories.weight
             };
             let sum: f64 = histories.paths.iter().map(score).sum();

@@ -1,7 +1,7 @@
 //! `narrowbeam fit`: from observed scenes to a medium.
 
 use super::backend::Chosen;
-use super::options::{RenderOptions, WantedModel, positive, provenance};
+use super::options::{RenderOptions, TracingOptions, WantedModel, positive, provenance};
 use super::progress::Progress;
 use super::{UNDETERMINED, aligned, say};
 use crate::fit::ladder::climb;
@@ -24,6 +24,8 @@ pub(super) struct Arguments {
     scenes: Vec<PathBuf>,
     #[command(flatten)]
     rendering: RenderOptions,
+    #[command(flatten)]
+    tracing: TracingOptions,
     /// Relative error of a parameter up to which --model auto is content with a cheaper model
     #[arg(long, default_value_t = 0.01, value_name = "X", value_parser = positive)]
     tolerance: f64,
@@ -39,9 +41,6 @@ pub(super) struct Arguments {
     /// Also find 95 % intervals by so many refits of the best fit with fresh noise
     #[arg(long, value_name = "N", default_value_t = 0)]
     bootstrap: usize,
-    /// Seed of that noise
-    #[arg(long, default_value_t = 1, value_name = "S")]
-    seed: u64,
     /// Directory for fit.json, render.exr, residual.exr, hidden_share.exr (if something is hidden) and pictures
     #[arg(long, default_value = "narrowbeam-fit", value_name = "DIR")]
     out: PathBuf,
@@ -62,7 +61,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
         .map(|path| Scene::read(path, Purpose::Fit))
         .collect::<crate::Result<Vec<_>>>()?;
     let chosen = Chosen::new(arguments.rendering.backend, &scenes, [CONFIRMING_RENDERS, TYPICAL_RENDERS])?;
-    check_scenes(&scenes, &settings_of(arguments, &chosen, &|| ()))?;
+    check_scenes(&scenes, &settings_of(arguments, &chosen, &|| ())?)?;
     atomic::create_dir(&arguments.out)?;
     for i in 0..scenes.len() {
         for (name, kind) in OUTPUTS {
@@ -83,27 +82,31 @@ fn settings_of<'a>(
     arguments: &Arguments,
     chosen: &'a Chosen,
     progress: &'a (dyn Fn() + Sync),
-) -> Settings<'a> {
+) -> crate::Result<Settings<'a>> {
     let model = match arguments.rendering.model {
         WantedModel::This(model) => model,
         // What any input must at least be good for.
         WantedModel::Auto => Model::SmallAngle,
     };
-    Settings {
+    Ok(Settings {
         model,
         backend: chosen.backend(),
         method: arguments.solver,
         max_iterations: arguments.max_iterations,
         sums: arguments.solver == Method::LevenbergMarquardt,
+        tracing: arguments.tracing.read(&arguments.rendering)?,
         progress,
-    }
+    })
 }
 
 fn estimate(arguments: &Arguments, scenes: &[Scene], chosen: &Chosen) -> crate::Result<SceneFit> {
     let renders = TYPICAL_RENDERS * (scenes.len() * scenes[0].object.len()) as u64;
-    let progress = Progress::new("fitting", "renders", renders);
+    let progress = match arguments.rendering.model {
+        WantedModel::This(Model::Traced) => Progress::uncounted("tracing and fitting"),
+        _ => Progress::new("fitting", "renders", renders),
+    };
     let tick = || progress.add(1);
-    let (settings, filter) = (settings_of(arguments, chosen, &tick), arguments.rendering.filter);
+    let (settings, filter) = (settings_of(arguments, chosen, &tick)?, arguments.rendering.filter);
     match arguments.rendering.model {
         WantedModel::This(_) => fit_scenes(scenes, &settings, filter),
         WantedModel::Auto => climb(scenes, &settings, filter, arguments.tolerance),
@@ -122,16 +125,16 @@ fn add_intervals(
         let progress = Progress::uncounted("profile likelihood");
         fit.add_intervals("profile95", scenes, filter, |data, channel, options| {
             let tick = || progress.add(1);
-            let settings = settings_of(arguments, chosen, &tick);
+            let settings = settings_of(arguments, chosen, &tick)?;
             profile(data, channel, options, &Settings { model: channel.model, ..settings })
         })?;
     }
     if arguments.bootstrap > 0 {
         let refits = (arguments.bootstrap * scenes[0].object.len()) as u64;
         let progress = Progress::new("bootstrap", "fits", refits);
-        let draws = (arguments.bootstrap, arguments.seed);
+        let draws = (arguments.bootstrap, arguments.tracing.seed);
         fit.add_intervals("bootstrap95", scenes, filter, |data, channel, options| {
-            let settings = Settings { model: channel.model, ..settings_of(arguments, chosen, &|| ()) };
+            let settings = Settings { model: channel.model, ..settings_of(arguments, chosen, &|| ())? };
             bootstrap(data, channel, options, &settings, draws, &|| progress.add(1))
         })?;
     }

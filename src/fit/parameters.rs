@@ -37,6 +37,8 @@ pub struct PathLengths {
 
 /// Default bounds in units of the median path length z: sigma_s z, sigma_a z; and B in rad² (a spread angle of 60°).
 const DEFAULT_BOUNDS: [Bounds; 3] = [[1e-4, 60.0], [0.0, 30.0], [1e-8, 0.274]];
+/// Widest default lobe of a model that is right at every angle, rad²: the same in all directions to a tenth.
+const WIDEST: f64 = 25.0;
 
 impl Parameters {
     /// Parameters as the user asks for them, values not yet chosen where neither fixed nor started.
@@ -50,6 +52,9 @@ impl Parameters {
         let mut values = [0.0; 3];
         let mut fixed = [false; 3];
         let mut bounds = DEFAULT_BOUNDS;
+        if model == Model::Traced {
+            bounds[2][1] = WIDEST;
+        }
         for i in 0..3 {
             if i < 2 {
                 bounds[i] = bounds[i].map(|v| v / lengths.median);
@@ -61,7 +66,7 @@ impl Parameters {
             bounds[i] = options.bounds[i].unwrap_or([low.min(start), high.max(start)]);
             let [low, high] = bounds[i];
             let beyond = "what model wide-angle has kernels for: at the longest path, sigma_s z up to 12, sigma_a z up to 10; \
-                          a spread angle up to 60 degrees";
+                          a spread angle up to 60 degrees; --model traced has no such end";
             let name = format!("[fit] bounds or start of {}", NAMES[i]);
             in_range(&name, high, high <= largest[i], beyond)?;
             if let Some(value) = options.fixed[i] {

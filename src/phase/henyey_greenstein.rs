@@ -33,6 +33,10 @@ impl PhaseFunction for HenyeyGreenstein {
         "henyey-greenstein"
     }
 
+    fn as_henyey_greenstein(&self) -> Option<&HenyeyGreenstein> {
+        Some(self)
+    }
+
     fn eval(&self, cos_theta: f64) -> f64 {
         let g = self.g;
         (1.0 - g * g) / (1.0 + g * g - 2.0 * g * cos_theta).powf(1.5)

@@ -24,6 +24,11 @@ pub trait PhaseFunction: Send + Sync + std::fmt::Debug {
         None
     }
 
+    /// This lobe, if it is Henyey and Greenstein's.
+    fn as_henyey_greenstein(&self) -> Option<&HenyeyGreenstein> {
+        None
+    }
+
     /// p(cos theta), with (1/4pi) ∫ p dOmega = 1.
     fn eval(&self, cos_theta: f64) -> f64;
 

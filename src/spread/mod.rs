@@ -129,6 +129,8 @@ pub enum Model {
     SmallAngle,
     /// Right at every angle, from a table made by tracing.
     WideAngle,
+    /// Paths traced for the scene at hand: no kernel, and none of [`ALL`](Model::ALL).
+    Traced,
 }
 
 /// Largest tau·4B at which small-angle theory holds to 1 % of the transfer function: max|dM| ≈ .19 tau·4B,
@@ -142,7 +144,7 @@ pub fn small_angle_error(validity: f64) -> String {
 }
 
 impl Model {
-    /// All models, cheapest first.
+    /// All models that have kernels, cheapest first.
     pub const ALL: [Model; 7] = [
         Model::BeerLambert,
         Model::SingleScatter,
@@ -163,6 +165,7 @@ impl Model {
             Model::NarrowBeam => "narrow-beam",
             Model::SmallAngle => "small-angle",
             Model::WideAngle => "wide-angle",
+            Model::Traced => "traced",
         }
     }
 
@@ -173,7 +176,7 @@ impl Model {
 
     /// Whether the kernel rests on small angles, and so ends where tau·4B is large.
     pub fn rests_on_small_angles(self) -> bool {
-        self.spreads() && self != Model::WideAngle
+        self.spreads() && !matches!(self, Model::WideAngle | Model::Traced)
     }
 
     /// The largest sigma_s z, sigma_a z and B (rad²) that there is a kernel for.
@@ -191,7 +194,7 @@ impl Model {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] unless `z` is finite and above 0, and beyond what the model is [made for](Model::largest);
-    /// [`Error::NoSecondMoment`] if the model matches moments and the phase function has none; [`Error::OnlyGaussian`] if
+    /// [`Error::NoKernel`] for `traced`; [`Error::NoSecondMoment`] if the model matches moments and the phase function has none; [`Error::OnlyGaussian`] if
     /// it was tabulated for another.
     pub fn kernel<'a>(
         self,
@@ -218,6 +221,7 @@ impl Model {
                 let phase = phase.as_gaussian().ok_or_else(other)?;
                 Ok(Box::new(WideAngle::new(&wide_angle::TABLE, medium, phase, z)?))
             }
+            Model::Traced => Err(Error::NoKernel),
         }
     }
 }

@@ -7,7 +7,7 @@ mod once;
 use crate::error::Result;
 use crate::phase::{Gaussian, b_of_spread_angle};
 use crate::spread::wide_angle::table::{NUMBERS, Place, RUNGS, bending};
-use crate::trace::{ScaledMedium, log_spaced, trace_histories};
+use crate::trace::{Turbid, log_spaced, trace_histories};
 use mixture::Laid;
 
 /// Edges of the radius bins, in units of z sqrt(B).
@@ -33,10 +33,11 @@ pub fn node(place: &Place, paths: u64, seed: u64) -> Result<[f32; NUMBERS]> {
     let Place { tau, absorption, spread_angle } = *place;
     let b = b_of_spread_angle(spread_angle);
     let edges = edges();
-    let mut radial = once::radial(tau, absorption, &Gaussian::new(b)?, &edges);
+    let phase = Gaussian::new(b)?;
+    let mut radial = once::radial(tau, absorption, &phase, &edges);
     let effort = (1.0 + tau * spread_angle * spread_angle * absorption / 8.0).min(MOST);
     let paths = (paths as f64 * effort) as u64;
-    let histories = trace_histories(ScaledMedium { tau, absorption, b }, paths, seed)?;
+    let histories = trace_histories(Turbid { sigma_s: tau, sigma_a: absorption, phase }, paths, seed)?;
     for history in histories.paths.iter().filter(|h| h.scatterings > 1) {
         let bin = edges.partition_point(|&e| e <= f64::from(history.radius) / b.sqrt());
         radial.light[bin] += histories.weight;

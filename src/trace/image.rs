@@ -104,17 +104,20 @@ pub fn trace_image<P: PhaseFunction>(
         pixels
     };
     let pixels: Vec<[f32; 2]> = (0..height).into_par_iter().flat_map_iter(row).collect();
-    if let Some(i) = pixels.iter().position(|p| !(p[0].is_finite() && p[1].is_finite())) {
-        return Err(Error::NotFinite(format!(
-            "traced pixel ({}, {}) is {:?}",
-            i % width,
-            i / width,
-            pixels[i]
-        )));
-    }
+    checked(&pixels, width)?;
     let plane = |c: usize| Image { width, height, data: pixels.iter().map(|p| p[c]).collect() };
     let paths = config.view.pixels() as u64 * u64::from(config.samples);
     Ok(TracedImage { mean: plane(0), variance: plane(1), paths })
+}
+
+/// Refuses pixels that are not finite, of rows of `width`.
+pub(super) fn checked<const N: usize>(pixels: &[[f32; N]], width: usize) -> Result<()> {
+    match pixels.iter().position(|p| !p.iter().all(|v| v.is_finite())) {
+        None => Ok(()),
+        Some(i) => {
+            Err(Error::NotFinite(format!("traced pixel ({}, {}) is {:?}", i % width, i / width, pixels[i])))
+        }
+    }
 }
 
 /// Mean and variance of the mean of pixel (`x`, `y`) of the view.

@@ -144,12 +144,7 @@ impl<'a, P: PhaseFunction> Tracer<'a, P> {
     }
 
     /// What a path meets from where it is; `None` if it is lost.
-    fn follow(
-        &self,
-        path: &mut Path,
-        stream: &mut Stream,
-        turned: &mut impl FnMut(f32),
-    ) -> Option<Arrival> {
+    fn follow(&self, path: &mut Path, stream: &mut Stream, turned: &mut impl FnMut(f32)) -> Option<Arrival> {
         let sigma_s = self.medium.sigma_s() as f32;
         let sigma_a = self.medium.sigma_a() as f32;
         if sigma_s == 0.0 {

@@ -142,16 +142,16 @@ impl Table {
             "sigma_s z",
             TAU.1,
             tau,
-            "between 0 and 12, where the table of model wide-angle ends (narrowbeam trace has no end)",
+            "between 0 and 12, where the table of model wide-angle ends (--model traced has no end)",
         )?;
         up_to(
             "sigma_a z",
             ABSORPTION.1,
             absorption,
-            "between 0 and 10, where the table of model wide-angle ends (narrowbeam trace has no end)",
+            "between 0 and 10, where the table of model wide-angle ends (--model traced has no end)",
         )?;
         let angle =
-            "at most 60 degrees, where the table of model wide-angle ends (narrowbeam trace has no end)";
+            "at most 60 degrees, where the table of model wide-angle ends (--model traced has no end)";
         up_to("spread angle", SPREAD_ANGLE_DEG.1, degrees, angle)?;
 
         // Coordinates, and their derivatives in tau, sigma_a z and the spread angle.
