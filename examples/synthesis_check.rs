@@ -8,7 +8,7 @@ use narrowbeam::image::{Channel, Image};
 use narrowbeam::io::colour::Tone;
 use narrowbeam::io::exr::ExrFile;
 use narrowbeam::plots::{Figure, Panel, Shade};
-use narrowbeam::scene::{Purpose, Scene};
+use narrowbeam::scene::{PartialMedium, Purpose, Scene};
 use narrowbeam::spread::Model;
 use narrowbeam::synthesis::{Synthesis, synthesize};
 use std::path::PathBuf;
@@ -30,7 +30,7 @@ fn main() -> anyhow::Result<()> {
     for folder in arguments {
         let name = folder.file_name().unwrap_or(folder.as_os_str()).display().to_string();
         let scene = Scene::read(&folder.join("scene.toml"), Purpose::Synthesize)?;
-        let media = scene.medium_values([None; 3])?;
+        let media = scene.medium_values(PartialMedium::default())?;
         let made = |filter| synthesize(&scene, &media, Model::SmallAngle, filter, Backend::Cpu);
         let start = Instant::now();
         let eq29 = made(Filter::Eq29)?;

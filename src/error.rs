@@ -1,5 +1,6 @@
 //! Every way in which the library can refuse, each naming the culprit.
 
+use crate::phase::Family;
 use std::path::PathBuf;
 
 /// What went wrong, with the name, file, key or pixel that is to be mended.
@@ -84,18 +85,18 @@ pub enum Error {
     NoSecondMoment {
         /// The model's name.
         model: &'static str,
-        /// The phase function's name.
-        phase: &'static str,
+        /// The phase function.
+        phase: Family,
     },
     /// A model whose table was made for another phase function.
     #[error(
-        "model {model} is made for the gaussian phase function, not for {phase}; use small-angle or single-scatter"
+        "model {model} is made for the Gaussian phase function, not for {phase}; use small-angle or single-scatter"
     )]
     OnlyGaussian {
         /// The model's name.
         model: &'static str,
-        /// The phase function's name.
-        phase: &'static str,
+        /// The phase function.
+        phase: Family,
     },
     /// A model that has no kernel was asked for one.
     #[error(
@@ -139,6 +140,17 @@ pub enum Error {
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {
+    /// True where a model has no kernel for a medium, or nothing to fit: another model may.
+    pub(crate) fn is_about_model(&self) -> bool {
+        matches!(
+            self,
+            Error::OutOfRange { .. }
+                | Error::NothingToFit(_)
+                | Error::NoSecondMoment { .. }
+                | Error::OnlyGaussian { .. }
+        )
+    }
+
     /// True where the user's input or usage is to blame, false where the machine is (disk full, say).
     pub fn is_usage(&self) -> bool {
         match self {

@@ -9,7 +9,6 @@ use crate::filter::{Backend, Filter, Optics, Target};
 use crate::illumination::{Bottom, PlaneParallel, lit_radiance};
 use crate::image::{Channel, Image};
 use crate::medium::Medium;
-use crate::phase::Gaussian;
 use crate::scene::{Illumination, MediumValues, Scene};
 use crate::spread::Model;
 
@@ -44,7 +43,7 @@ impl Synthesis {
 /// of its channels.
 ///
 /// # Errors
-/// As [`Backend::prepare`], [`Gaussian::new`] and [`Medium::new`].
+/// As [`Backend::prepare`], [`MediumValues::lobe`] and [`Medium::new`].
 ///
 /// # Panics
 /// If the scene has no illumination.
@@ -61,8 +60,7 @@ pub fn synthesize(
     let mut made = Synthesis { clear: none(), direct: none(), scattered: none(), veil: none(), cut: false };
     for (i, values) in media.iter().enumerate() {
         let object = &scene.object[i].image;
-        let phase = Gaussian::new(values.b)?;
-        let medium = Medium::new(values.sigma_s, values.sigma_a)?;
+        let (medium, phase) = (values.medium()?, values.lobe()?);
         let (clear, lit, veil) = match illumination {
             Illumination::Veil(channels) => (object.clone(), object.clone(), channels[i].image.clone()),
             Illumination::Parallel { sun, irradiance, bottom } => {

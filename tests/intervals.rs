@@ -15,7 +15,7 @@ const PLANE: Setting = Setting {
     side: 48,
     pixel_pitch: 0.03,
     z: 2.0,
-    medium: MediumValues { sigma_s: 0.7, sigma_a: 0.15, b: 0.004 },
+    medium: MediumValues::gaussian(0.7, 0.15, 0.004),
 };
 
 fn scene(plane: &Setting, noise: f64) -> Scene {

@@ -5,7 +5,7 @@ mod common;
 use narrowbeam::filter::Filter;
 use narrowbeam::fit::scenes::{SceneFit, fit_scenes};
 use narrowbeam::fit::{NAMES, Settings};
-use narrowbeam::scene::{MediumValues, Purpose, Scene, read_truth};
+use narrowbeam::scene::{Purpose, Scene, read_truth};
 use narrowbeam::spread::Model;
 use std::path::{Path, PathBuf};
 
@@ -36,7 +36,7 @@ fn fit(scene: &Path, model: Model, filter: Filter) -> SceneFit {
 }
 
 fn truth(folder: &Path) -> [f64; 3] {
-    let MediumValues { sigma_s, sigma_a, b } = read_truth(&folder.join("truth.toml")).unwrap()[0];
+    let [sigma_s, sigma_a, b] = read_truth(&folder.join("truth.toml")).unwrap()[0].values();
     [sigma_s, sigma_a, b]
 }
 

@@ -3,7 +3,7 @@
 use libm::j0;
 use narrowbeam::Error;
 use narrowbeam::medium::Medium;
-use narrowbeam::phase::{Gaussian, HenyeyGreenstein, PhaseFunction, b_of_spread_angle};
+use narrowbeam::phase::{Family, Gaussian, HenyeyGreenstein, PhaseFunction, b_of_spread_angle};
 use narrowbeam::spread::{Model, SpreadKernel, second_moments};
 use std::f64::consts::PI;
 
@@ -174,12 +174,12 @@ fn models_of_the_gaussian_lobe_refuse_henyey_greenstein_by_name() {
     let medium = Medium::new(1.0, 0.0).unwrap();
     let phase = HenyeyGreenstein::new(0.95).unwrap();
     let error = Model::WideAngle.kernel(&medium, &phase, 1.0).err().expect("refused").to_string();
-    assert!(error.contains("wide-angle") && error.contains("henyey-greenstein"), "{error}");
+    assert!(error.contains("wide-angle") && error.contains("Henyey-Greenstein"), "{error}");
     for model in [Model::Gaussian, Model::NarrowBeam, Model::NarrowBeamPrinted] {
         let error = model.kernel(&medium, &phase, 1.0).err().expect("refused");
         assert!(matches!(error, Error::NoSecondMoment { .. }));
         let message = error.to_string();
-        assert!(message.contains(model.name()) && message.contains("henyey-greenstein"), "{message}");
+        assert!(message.contains(model.name()) && message.contains("Henyey-Greenstein"), "{message}");
     }
     for model in [Model::SingleScatter, Model::SmallAngle] {
         let kernel = model.kernel(&medium, &phase, 1.0).unwrap();
@@ -218,7 +218,8 @@ fn wide_angle_refuses_what_its_table_does_not_hold() {
         let kernel = Model::WideAngle.kernel(&Medium::new(sigma_s, sigma_a).unwrap(), &phase, 1.0);
         kernel.err().map(|e| e.to_string()).unwrap_or_default()
     };
-    let [tau, absorption, b] = Model::WideAngle.largest();
+    let range = Model::WideAngle.range(Family::Gaussian).unwrap();
+    let (tau, absorption, b) = (range.tau, range.absorption, range.shape[1]);
     assert_eq!(refusal(tau, absorption, b), "");
     assert!(refusal(1.01 * tau, 0.0, b).contains("sigma_s z"));
     assert!(refusal(tau, 1.01 * absorption, b).contains("sigma_a z"));

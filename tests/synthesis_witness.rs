@@ -3,7 +3,7 @@
 
 use narrowbeam::filter::{Backend, Filter};
 use narrowbeam::io::exr::ExrFile;
-use narrowbeam::scene::{MediumValues, Purpose, Scene};
+use narrowbeam::scene::{MediumValues, PartialMedium, Purpose, Scene};
 use narrowbeam::spread::Model;
 use narrowbeam::synthesis::synthesize;
 use std::path::Path;
@@ -35,7 +35,7 @@ fn a_synthesized_image_has_the_light_that_mitsuba_traces() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/witness/juice");
     let scene = Scene::read(&folder.join("scene.toml"), Purpose::Synthesize).unwrap();
     let witness = ExrFile::read(&folder.join("witness.exr")).unwrap();
-    let media = scene.medium_values([None; 3]).unwrap();
+    let media = scene.medium_values(PartialMedium::default()).unwrap();
     // As measured: docs/synthesis.md has where this comes from.
     let near = |[mean, rms]: [f64; 2]| mean.abs() < 0.04 && rms < 0.2;
     for error in errors(&scene, &media, &witness) {

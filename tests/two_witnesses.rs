@@ -39,7 +39,7 @@ impl Witness {
 
     /// Reduced chi² of Mitsuba's image against a traced one of a medium with `sigma_s` times `factor`.
     fn against_tracer(&self, factor: f64) -> f64 {
-        let MediumValues { sigma_s, sigma_a, b } = self.truth;
+        let [sigma_s, sigma_a, b] = self.truth.values();
         let config = ImageConfig {
             geometry: &self.scene.geometry,
             radiance: &self.scene.object[0].image,
@@ -57,7 +57,7 @@ impl Witness {
 
     /// Reduced chi² of Mitsuba's image against the small-angle render at the truth.
     fn against_small_angle(&self) -> f64 {
-        let MediumValues { sigma_s, sigma_a, b } = self.truth;
+        let [sigma_s, sigma_a, b] = self.truth.values();
         let phase = Gaussian::new(b).unwrap();
         let medium = Medium::new(sigma_s, sigma_a).unwrap();
         let optics = Optics { model: Model::SmallAngle, medium, phase: &phase };

@@ -11,7 +11,7 @@ use super::say;
 use crate::error::{Error, Result, in_range};
 use crate::io::atomic;
 use crate::medium::Medium;
-use crate::phase::{Gaussian, b_of_spread_angle};
+use crate::phase::{Family, Lobe, PhaseFunction, b_of_spread_angle};
 use crate::spread::Model;
 use crate::trace::{RadialConfig, RadialProfile, trace_radial};
 use curves::{Curve, Grid};
@@ -31,7 +31,7 @@ pub(super) struct Arguments {
     /// Path length z in the medium, from its surface to the object, length
     #[arg(long, value_name = "Z", allow_negative_numbers = true, value_parser = positive)]
     depth: f64,
-    /// Model to tabulate, may be given several times; all if absent
+    /// Model to tabulate, may be given several times; all that have a kernel if absent
     #[arg(long = "model", value_name = "NAME")]
     models: Vec<Model>,
     /// Photons to trace for comparison
@@ -45,7 +45,7 @@ pub(super) struct Arguments {
     out: PathBuf,
 }
 
-/// The phase function's width, one way or the other.
+/// The phase function, one way or the other.
 #[derive(Debug, clap::Args)]
 #[group(required = true, multiple = false)]
 struct Width {
@@ -55,13 +55,20 @@ struct Width {
     /// The same as a spread angle sqrt(4B), degrees
     #[arg(long, value_name = "D", allow_negative_numbers = true, value_parser = positive)]
     spread_angle_deg: Option<f64>,
+    /// Mean cosine g of Henyey and Greenstein's phase function, in place of the Gaussian
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    g: Option<f64>,
 }
 
 impl Width {
-    /// B, rad²; the command line demands exactly one of the two.
-    fn b(&self) -> f64 {
+    /// The lobe; the command line demands exactly one of the three.
+    fn lobe(&self) -> Result<Lobe> {
         let degrees = || self.spread_angle_deg.unwrap_or_default();
-        self.b.unwrap_or_else(|| b_of_spread_angle(degrees().to_radians()))
+        let b = || self.b.unwrap_or_else(|| b_of_spread_angle(degrees().to_radians()));
+        match self.g {
+            Some(g) => Family::HenyeyGreenstein.lobe(g).map_err(|e| Error::Usage(format!("--{e}"))),
+            None => Family::Gaussian.lobe(b()),
+        }
     }
 }
 
@@ -69,19 +76,19 @@ impl Width {
 #[derive(Debug, Clone, Copy)]
 struct Setting {
     medium: Medium,
-    phase: Gaussian,
+    phase: Lobe,
     z: f64,
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let setting = Setting {
         medium: Medium::new(arguments.sigma_s, arguments.sigma_a)?,
-        phase: Gaussian::new(arguments.width.b())?,
+        phase: arguments.width.lobe()?,
         z: in_range("--depth", arguments.depth, arguments.depth > 0.0, "above 0 (length)")?,
     };
-    let width = setting.z * setting.phase.spread_angle();
+    let width = 2.0 * setting.z * setting.phase.planar_width();
     in_range(
-        "--depth times the spread angle",
+        "--depth times twice the width of the lobe",
         width,
         (1e-9..1e9).contains(&width),
         "between 1e-9 and 1e9 (length)",
@@ -90,7 +97,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let mut kernels = Vec::new();
     for model in Model::ALL.into_iter().filter(|m| any || arguments.models.contains(m)) {
         match model.kernel(&setting.medium, &setting.phase, setting.z) {
-            Err(end @ Error::OutOfRange { .. }) if any => eprintln!("{model} is left out: {end}"),
+            Err(end) if any && end.is_about_model() => eprintln!("{model} is left out: {end}"),
             kernel => kernels.push((model, kernel?)),
         }
     }

@@ -4,8 +4,8 @@ use super::backend::Wanted;
 use crate::error::{Error, Result};
 use crate::filter::Filter;
 use crate::fit::{MOST_PATHS, PathLengths, Tracing};
-use crate::phase::b_of_spread_angle;
-use crate::scene::MediumValues;
+use crate::phase::{Family, b_of_spread_angle};
+use crate::scene::{MediumValues, PartialMedium};
 use crate::spread::{Model, SMALL_ANGLE_LIMIT};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -26,13 +26,17 @@ pub(super) struct MediumOptions {
     /// The same as a spread angle sqrt(4B), degrees
     #[arg(long, value_name = "D", allow_negative_numbers = true, value_parser = positive)]
     pub spread_angle_deg: Option<f64>,
+    /// Mean cosine g of Henyey and Greenstein's phase function, in place of the Gaussian
+    #[arg(long, value_name = "X", conflicts_with_all = ["b", "spread_angle_deg"], allow_negative_numbers = true)]
+    pub g: Option<f64>,
 }
 
 impl MediumOptions {
-    /// sigma_s, sigma_a, B where given.
-    pub(super) fn values(&self) -> [Option<f64>; 3] {
+    /// What is given.
+    pub(super) fn values(&self) -> PartialMedium {
         let b = self.b.or(self.spread_angle_deg.map(|d| b_of_spread_angle(d.to_radians())));
-        [self.sigma_s, self.sigma_a, b]
+        let family = if self.g.is_some() { Family::HenyeyGreenstein } else { Family::Gaussian };
+        PartialMedium { sigma_s: self.sigma_s, sigma_a: self.sigma_a, family, shape: self.g.or(b) }
     }
 }
 
@@ -124,10 +128,14 @@ impl WantedModel {
         if let WantedModel::This(model) = self {
             return model;
         }
-        let [tau, absorption, b] = Model::WideAngle.largest();
-        let wide = media.iter().any(|m| m.sigma_s * z.median * 4.0 * m.b > SMALL_ANGLE_LIMIT);
+        let wide =
+            media.iter().any(|m| m.sigma_s * z.median * m.family.square_angle(m.shape) > SMALL_ANGLE_LIMIT);
         let within = |m: &MediumValues| {
-            m.sigma_s * z.longest <= tau && m.sigma_a * z.longest <= absorption && m.b <= b
+            Model::WideAngle.range(m.family).is_ok_and(|range| {
+                m.sigma_s * z.longest <= range.tau
+                    && m.sigma_a * z.longest <= range.absorption
+                    && (range.shape[0]..=range.shape[1]).contains(&m.shape)
+            })
         };
         if wide && media.iter().all(within) { Model::WideAngle } else { Model::SmallAngle }
     }

@@ -8,8 +8,6 @@ use crate::filter::{CUT, Filter, Optics, Target, hidden_share};
 use crate::fit::{path_lengths, render_traced};
 use crate::image::Channel;
 use crate::io::{atomic, exr};
-use crate::medium::Medium;
-use crate::phase::Gaussian;
 use crate::plots::{Figure, Panel, Shade};
 use crate::scene::{Purpose, Scene};
 use crate::spread::Model;
@@ -52,9 +50,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let mut cut = false;
     let (mut channels, mut shares) = (Vec::new(), Vec::new());
     for ((object, behind), values) in scene.object.iter().zip(&scene.behind).zip(&media) {
-        let phase = Gaussian::new(values.b)?;
-        let medium = Medium::new(values.sigma_s, values.sigma_a)?;
-        let optics = Optics { model, medium, phase: &phase };
+        let phase = values.lobe()?;
+        let optics = Optics { model, medium: values.medium()?, phase: &phase };
         let target = Target {
             radiance: &object.image,
             behind,

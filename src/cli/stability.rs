@@ -66,7 +66,7 @@ fn csv(trials: &[Trial]) -> String {
             t.level,
             quote(&t.label),
             t.setting.tau(),
-            (4.0 * t.setting.medium.b).sqrt().to_degrees(),
+            (4.0 * t.setting.medium.shape).sqrt().to_degrees(),
             quote(&t.method.name()),
             o.model,
             quote(o.verdict().name()),

@@ -70,11 +70,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     }
     let z = median(scenes[0].geometry.path_lengths());
     for (channel, medium) in total.iter().zip(&media) {
-        let validity = medium.sigma_s * z * 4.0 * medium.b;
+        let validity = medium.sigma_s * z * medium.family.square_angle(medium.shape);
         if model.rests_on_small_angles() && validity > SMALL_ANGLE_LIMIT {
             eprintln!(
-                "warning (outside_validity): tau·4B of channel {} is {validity:.3}, above {SMALL_ANGLE_LIMIT}: {} rests \
+                "warning (outside_validity): tau·{} of channel {} is {validity:.3}, above {SMALL_ANGLE_LIMIT}: {} rests \
                  on small angles, whose transfer function is off by {} there",
+                medium.family.square_angle_formula(),
                 channel.name,
                 model,
                 small_angle_error(validity)

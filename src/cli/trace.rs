@@ -5,8 +5,6 @@ use super::progress::Progress;
 use super::say;
 use crate::image::{Channel, Image};
 use crate::io::{atomic, exr};
-use crate::medium::Medium;
-use crate::phase::Gaussian;
 use crate::scene::{MediumValues, Purpose, Scene};
 use crate::trace::{ImageConfig, trace_image};
 use std::path::PathBuf;
@@ -48,11 +46,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
             behind: &scene.behind[i],
             border: scene.border,
             view: scene.view,
-            medium: Medium::new(values.sigma_s, values.sigma_a)?,
+            medium: values.medium()?,
             samples: arguments.samples,
             seed: channel_seed(arguments.seed, i),
         };
-        let traced = trace_image(&config, &Gaussian::new(values.b)?, &|done| progress.add(done))?;
+        let traced = trace_image(&config, &values.lobe()?, &|done| progress.add(done))?;
         paths += traced.paths;
         let mut push = |name: String, image: Image| channels.push(Channel { name, image });
         push(object.name.clone(), traced.mean);
@@ -85,7 +83,7 @@ fn record(arguments: &Arguments, media: &[MediumValues]) -> Vec<(String, String)
             ("samples", arguments.samples.to_string()),
             ("sigma_s", each(|m| m.sigma_s)),
             ("sigma_a", each(|m| m.sigma_a)),
-            ("b", each(|m| m.b)),
+            (media[0].family.parameter(), each(|m| m.shape)),
         ]
         .map(|(key, value)| (key.to_string(), value)),
     );

@@ -21,6 +21,9 @@ pub struct Coverage {
 
 /// Share of a kernel's light that may fall beyond the padding.
 const OUTSIDE: f64 = 1e-5;
+/// Share that may come back to the object image from there, where light falls like 1/r without end, as that of
+/// Henyey-Greenstein's lobes does in small-angle theory: it is spread over all of the padded image.
+const RETURNED: f64 = 2e-4;
 /// Largest error of the slices' transfer functions, as a share of the scattered light.
 const SLICE_TOLERANCE: f64 = 1e-4;
 /// What to tell a user of [`Coverage::cut`].
@@ -62,7 +65,7 @@ impl<'a> Plan<'a> {
         let divergence = target.geometry.pitch_per_depth();
         let sliced = |nodes: &[Node]| Slices::for_tolerance(divergence, nodes, optics, SLICE_TOLERANCE);
         let slices = per_segment(&target, &sheets, sliced)?;
-        let reach_px = headroom * reach_px(slices.iter().flatten(), optics)?;
+        let reach_px = headroom * reach_px(slices.iter().flatten(), optics, &target)?;
         Ok((Self::with(target, slices, reach_px), sheets))
     }
 
@@ -97,7 +100,8 @@ impl<'a> Plan<'a> {
 
     /// How far padding and slices serve the kernels of `optics` too.
     pub(super) fn coverage(&self, optics: &Optics) -> Result<Coverage> {
-        let (reach, most) = (reach_px(self.all_slices(), optics)?, most_reach(&self.target));
+        let most = most_reach(&self.target);
+        let reach = reach_px(self.all_slices(), optics, &self.target)?;
         let mut served = reach.min(most) <= self.reach_px;
         for slices in self.all_slices() {
             served &= slices.error(optics)? <= SLICE_TOLERANCE;
@@ -148,11 +152,20 @@ fn per_segment(
     (0..=screens).map(between).collect()
 }
 
-/// Radius in pixels beyond which less than [`OUTSIDE`] of the light of any slice falls.
-fn reach_px<'s>(slices: impl Iterator<Item = &'s Slices>, optics: &Optics) -> Result<f64> {
+/// Radius in pixels beyond which less than [`OUTSIDE`] of the light of any slice falls, or from which less than
+/// [`RETURNED`] would come back; some radius above the most padding that there is if it is larger than that.
+fn reach_px<'s>(slices: impl Iterator<Item = &'s Slices>, optics: &Optics, target: &Target) -> Result<f64> {
+    let most = most_reach(target);
+    let side = target.radiance.width.max(target.radiance.height) as f64;
+    let endless = optics.phase.planar_second_moment().is_none() && target.border == Border::Zero;
+    let outside = |r: f64| match r {
+        _ if r > most => 1.0,
+        _ if endless => RETURNED * (r / side).powi(2).max(1.0),
+        _ => OUTSIDE,
+    };
     let mut reach: f64 = 0.0;
     for node in slices.flat_map(|s| &s.nodes) {
-        reach = reach.max(optics.kernel(node.z)?.support(OUTSIDE) / node.pitch);
+        reach = reach.max(optics.kernel(node.z)?.reach(&|r| outside(r / node.pitch)) / node.pitch);
     }
     Ok(reach)
 }

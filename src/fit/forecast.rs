@@ -8,8 +8,6 @@ use super::scenes::{SceneFit, fit_scenes};
 use crate::error::Result;
 use crate::filter::{Filter, Optics, Target};
 use crate::image::{Channel, Image};
-use crate::medium::Medium;
-use crate::phase::Gaussian;
 use crate::scene::{FitOptions, Gain, MediumValues, Observation, Scene, Veil};
 
 /// How the planned images will be taken.
@@ -24,7 +22,7 @@ pub struct Plan {
 }
 
 /// The fit of noiseless images of `scenes` through `media`, one for each channel, with the noise of `plan`: its errors are
-/// those to expect. `[fit]` of the first scene says what is known; its starts are not used.
+/// those to expect. `[fit]` of the first scene says what is known; its phase function, starts and bounds are not used.
 ///
 /// # Errors
 /// As [`fit_scenes`] and the renders.
@@ -57,9 +55,14 @@ pub fn forecast(
 
 /// Starts at the truth, and what is held is held there.
 fn at(options: &FitOptions, medium: &MediumValues) -> FitOptions {
-    let truth = [medium.sigma_s, medium.sigma_a, medium.b];
+    let truth = medium.values();
     let held = |i: usize| options.fixed[i].map(|_| truth[i]);
-    FitOptions { start: truth.map(Some), fixed: std::array::from_fn(held), bounds: [None; 3] }
+    FitOptions {
+        family: medium.family,
+        start: truth.map(Some),
+        fixed: std::array::from_fn(held),
+        bounds: [None; 3],
+    }
 }
 
 /// What `scene` looks like through `media`, over its view.
@@ -71,9 +74,8 @@ fn images(
 ) -> Result<Vec<Channel>> {
     let relief = filter.relief(&scene.geometry);
     let image = |i: usize| -> Result<Channel> {
-        let phase = Gaussian::new(media[i].b)?;
-        let medium = Medium::new(media[i].sigma_s, media[i].sigma_a)?;
-        let optics = Optics { model: settings.model, medium, phase: &phase };
+        let phase = media[i].lobe()?;
+        let optics = Optics { model: settings.model, medium: media[i].medium()?, phase: &phase };
         let target = Target {
             radiance: &scene.object[i].image,
             behind: &scene.behind[i],

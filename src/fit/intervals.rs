@@ -8,7 +8,7 @@ use crate::image::Image;
 use crate::scene::FitOptions;
 use rayon::prelude::*;
 
-/// Ends of 95 % intervals of sigma_s, sigma_a and B; an end is `None` where the data do not close the interval, an interval
+/// Ends of 95 % intervals of sigma_s, sigma_a and the shape; an end is `None` where the data do not close the interval, an interval
 /// where the parameter is fixed.
 pub type Intervals = [Option<[Option<f64>; 2]>; 3];
 
@@ -59,18 +59,19 @@ pub fn profile(
 
 /// One end of the interval of parameter `i`, below (-1) or above (1) its value.
 fn end(fit: &ChannelFit, i: usize, side: f64, rise: &dyn Fn(f64) -> Result<f64>) -> Result<Option<f64>> {
-    let logarithmic = Parameters::is_logarithmic(i);
-    let value = fit.parameters.values()[i];
-    let at =
-        |distance: f64| if logarithmic { value * (side * distance).exp() } else { value + side * distance };
-    let scale = if logarithmic { 1.0 } else { 1.0 / fit.median_z };
+    let parameters = &fit.parameters;
+    // Of g the coordinate falls where the value rises.
+    let side_of_coordinate = side * parameters.slope(i).signum();
+    let here = parameters.coordinate(i, parameters.values()[i]);
+    let at = |distance: f64| parameters.value_at(i, here + side_of_coordinate * distance);
+    let scale = if Parameters::is_logarithmic(i) { 1.0 } else { 1.0 / fit.median_z };
     let (first, widest) = match fit.uncertainty.std_error(i) {
         Some(error) => (1.96 * error, WIDEST[0] * error),
         None => (0.5 * scale, WIDEST[1] * scale),
     };
-    let [low, high] = fit.parameters.bounds(i);
+    let [low, high] = parameters.bounds(i);
     let bound = if side < 0.0 { low } else { high };
-    let room = if logarithmic { (bound / value).ln().abs() } else { (bound - value).abs() };
+    let room = (parameters.coordinate(i, bound) - here).abs();
     let farthest = widest.min(room);
     // Distance and the root of the rise, which is nearly proportional to it.
     let (mut inner, mut outer): ((f64, f64), Option<(f64, f64)>) = ((0.0, 0.0), None);

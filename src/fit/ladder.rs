@@ -7,8 +7,8 @@
 
 use super::scenes::{SceneFit, data, fit_scenes, reliefs};
 use super::uncertainty::Status;
-use super::{ChannelFit, ModelError, NAMES, Parameters, Settings, Uncertainty, foresee};
-use crate::error::{Error, Result};
+use super::{ChannelFit, ModelError, Parameters, Settings, Uncertainty, foresee};
+use crate::error::Result;
 use crate::filter::Filter;
 use crate::relief::Relief;
 use crate::scene::Scene;
@@ -37,7 +37,7 @@ const EVIDENCE: f64 = 10.0;
 pub struct Rung {
     /// Its name.
     pub model: &'static str,
-    /// sigma_s, sigma_a and b of each channel, as far as determined; empty if the model was not fitted.
+    /// sigma_s, sigma_a and b or g of each channel, as far as determined; empty if the model was not fitted.
     pub estimates: Vec<[Option<f64>; 3]>,
     /// Root mean square error of a pixel by the model, in units of the noise, of the worst channel; `None` if not known.
     pub image_error: Option<f64>,
@@ -98,7 +98,7 @@ pub fn climb(scenes: &[Scene], settings: &Settings, filter: Filter, tolerance: f
         };
         let fit = match fit {
             Ok(fit) => fit,
-            Err(error @ (Error::OutOfRange { .. } | Error::NothingToFit(_))) => {
+            Err(error) if error.is_about_model() => {
                 rungs.push(Rung::unfitted(model, error.to_string(), 0.0));
                 fits.push(None);
                 continue;
@@ -236,7 +236,7 @@ fn judge(
     tolerance: f64,
 ) -> Verdict {
     let names = |status: Status| (0..3).filter(move |&i| uncertainty.status(i) == status);
-    let lost: Vec<&str> = names(Status::Undetermined).map(|i| NAMES[i]).collect();
+    let lost: Vec<&str> = names(Status::Undetermined).map(|i| parameters.names()[i]).collect();
     let undetermined = format!("{} undetermined", lost.join(" and "));
     if !lost.is_empty() && !model.spreads() {
         return Verdict::Fails(undetermined);
@@ -250,7 +250,7 @@ fn judge(
         let bias = error.bias_of(&Vector3::ith(i, 1.0)).abs();
         if bias > (tolerance * value).max(0.5 * noise) {
             let share = if value > 0.0 { 100.0 * bias / value } else { f64::INFINITY };
-            return Verdict::Fails(format!("{} off by {share:.2} %", NAMES[i]));
+            return Verdict::Fails(format!("{} off by {share:.2} %", parameters.names()[i]));
         }
     }
     if error.image > 1.0 {

@@ -1,8 +1,9 @@
-//! Fitting a medium to observed images: sigma_s, sigma_a and B of one channel from any number of scenes.
+//! Fitting a medium to observed images: sigma_s, sigma_a and B or g of one channel from any number of scenes.
 //!
 //! The residual of a pixel is r = (gain · I(sigma_s, sigma_a, B) + veil - observed) / noise, I being the rendered
 //! object light. A free gain or veil enters linearly and is eliminated at every step (variable projection, Golub
-//! and Pereyra 1973); the rest is a damped Gauss-Newton iteration in (ln sigma_s, sigma_a, ln B).
+//! and Pereyra 1973); the rest is a damped Gauss-Newton iteration in (ln sigma_s, sigma_a, ln B), or
+//! ln(1 - g) in place of ln B for Henyey-Greenstein's phase function.
 
 mod comparison;
 mod datum;
@@ -34,7 +35,7 @@ pub use exposure::Exposure;
 pub use input_error::InputError;
 pub use intervals::{Intervals, bootstrap, profile};
 pub use model_error::ModelError;
-pub use parameters::{Bounds, NAMES, Parameters, PathLengths};
+pub use parameters::{Bounds, NAMES, Parameters, PathLengths, names};
 
 pub use solver::Method;
 pub use traced::{MOST_PATHS, Tracing, render_traced};
@@ -45,7 +46,6 @@ use crate::filter::{Backend, Coverage, Optics, hidden_share};
 use crate::geometry::Geometry;
 use crate::image::Image;
 use crate::medium::Medium;
-use crate::phase::Gaussian;
 use crate::relief::Relief;
 use crate::scene::{FitOptions, Gain};
 use crate::spread::Model;
@@ -105,7 +105,7 @@ pub struct ChannelFit {
     pub model: Model,
     /// Where the fit began.
     pub start: [f64; 3],
-    /// sigma_s, sigma_a (1/length) and B (rad²) found, with what was free and the bounds.
+    /// sigma_s, sigma_a (1/length) and the shape of the phase function, B (rad²) or g, found, with what was free and the bounds.
     pub parameters: Parameters,
     /// Their covariance and what the data leave undetermined.
     pub uncertainty: Uncertainty,
@@ -145,7 +145,7 @@ pub struct ChannelFit {
     pub iterations: u64,
     /// Renders, with and without derivatives.
     pub evaluations: u64,
-    /// sigma_s, sigma_a and B as sums over the image had them, before renders confirmed them; `None` if renders alone found
+    /// sigma_s, sigma_a and the shape as sums over the image had them, before renders confirmed them; `None` if renders alone found
     /// the optimum.
     pub by_sums: Option<[f64; 3]>,
     /// Evaluations by sums.
@@ -201,7 +201,7 @@ const MOST_TRACED_ROUNDS: usize = 16;
 ///
 /// # Errors
 /// [`Error::NothingToFit`] if no pixel counts or every parameter is fixed, [`Error::OutOfRange`] for contradictory
-/// options, [`Error::NotFinite`] if a render is not finite.
+/// options, [`Error::NotFinite`] if a render is not finite, those of [`Model::range`].
 pub fn fit_channel(data: &[Datum], options: &FitOptions, settings: &Settings) -> Result<ChannelFit> {
     let observed = data.iter().map(Observed::new).collect::<Result<Vec<_>>>()?;
     if settings.model == Model::Traced {
@@ -379,7 +379,7 @@ fn foresee<'a>(
 ) -> Result<Option<(Parameters, Uncertainty, Option<ModelError>)>> {
     let scenes: Vec<&Geometry> = data.iter().map(|d| d.target.geometry).collect();
     let mut parameters = match Parameters::new(options, settings.model, path_lengths(&scenes)) {
-        Err(Error::OutOfRange { .. } | Error::NothingToFit(_)) => return Ok(None),
+        Err(error) if error.is_about_model() => return Ok(None),
         parameters => parameters?,
     };
     parameters.set_internal(&pilot.parameters.internal());
@@ -483,8 +483,9 @@ fn finite(equations: NormalEquations, parameters: &Parameters) -> Result<NormalE
     if equations.is_finite() {
         Ok(equations)
     } else {
-        let [s, a, b] = parameters.values();
-        Err(Error::NotFinite(format!("the cost is not finite at sigma_s = {s}, sigma_a = {a}, b = {b}")))
+        let place: Vec<String> =
+            parameters.names().iter().zip(parameters.values()).map(|(n, v)| format!("{n} = {v}")).collect();
+        Err(Error::NotFinite(format!("the cost is not finite at {}", place.join(", "))))
     }
 }
 
@@ -494,8 +495,8 @@ pub(crate) fn with_optics<T>(
     model: Model,
     f: impl FnOnce(&Optics) -> Result<T>,
 ) -> Result<T> {
-    let [sigma_s, sigma_a, b] = parameters.values();
-    let phase = Gaussian::new(b)?;
+    let [sigma_s, sigma_a, shape] = parameters.values();
+    let phase = parameters.family().lobe(shape)?;
     f(&Optics { model, medium: Medium::new(sigma_s, sigma_a)?, phase: &phase })
 }
 

@@ -9,7 +9,7 @@
 
 use super::displacement::Displacement;
 use super::{Datum, Settings, Status, with_optics};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::filter::Optics;
 use crate::image::Image;
 use crate::spread::Model;
@@ -23,8 +23,9 @@ const REFERENCE: Model = Model::WideAngle;
 const REFERENCE_ERROR: f64 = 0.002;
 /// The bias is of first order: it foretells errors of up to 10 % to a quarter (tests/ladder.rs).
 const MARGIN: f64 = 1.25;
-/// Widths B (rad²) for which the error of a model without a width is reckoned, where none is given: the worst counts.
-const WIDTHS: [f64; 3] = [1e-3, 1e-2, 5e-2];
+/// Squared planar widths (rad², B of a Gaussian) of the lobes for which the error of a model without a width is reckoned, where
+/// none is given: the worst counts.
+const SQUARED_WIDTHS: [f64; 3] = [1e-3, 1e-2, 5e-2];
 
 /// What the model's error does to the coordinates (ln sigma_s, sigma_a, ln B), to first order.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,15 +50,19 @@ impl ModelError {
             return Self::of_paths(fit).map(Some);
         }
         let (parameters, settings) = (fit.parameters, fit.settings);
-        let widths = if parameters.is_placeholder(2) { &WIDTHS[..] } else { &parameters.values()[2..] };
+        let shapes = if parameters.is_placeholder(2) {
+            SQUARED_WIDTHS.map(|square: f64| parameters.family().of_width(square.sqrt())).to_vec()
+        } else {
+            vec![parameters.values()[2]]
+        };
         let mut worst: Option<Self> = None;
-        for &b in widths {
-            let images = with_optics(&parameters.with_b(b), REFERENCE, |optics| {
+        for shape in shapes {
+            let images = with_optics(&parameters.with_shape(shape), REFERENCE, |optics| {
                 let image = |d| reference(d, optics, settings);
                 fit.data.iter().map(image).collect::<Result<Vec<_>>>()
             });
             let images = match images {
-                Err(Error::OutOfRange { .. }) => return Ok(None),
+                Err(error) if error.is_about_model() => return Ok(None),
                 images => images?,
             };
             let more = |(whole, direct): &(Image, Image)| {

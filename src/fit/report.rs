@@ -8,10 +8,10 @@ use warnings::warnings;
 
 use super::ladder::Rung;
 use super::uncertainty::{Status, Z95};
-use super::{ChannelFit, NAMES, Settings};
+use super::{ChannelFit, Settings};
 use crate::filter::{Backend, Filter};
 use crate::medium::Medium;
-use crate::phase::{Gaussian, PhaseFunction};
+use crate::phase::{Family, Lobe, PhaseFunction};
 use crate::spread::Model;
 use nalgebra::Vector3;
 use serde::Serialize;
@@ -54,11 +54,13 @@ pub struct FitReport {
     pub version: &'static str,
     /// Spread model.
     pub model: &'static str,
+    /// Family of the phase function.
+    pub phase: &'static str,
     /// Filter for depth maps.
     pub filter: &'static str,
     /// What computed the renders.
     pub backend: Value,
-    /// sigma_s, sigma_a, b; with a suffix `.R` and so on for colour.
+    /// sigma_s, sigma_a, b or g; with a suffix `.R` and so on for colour.
     pub parameters: Map<String, Value>,
     /// Quantities that follow from them, with the same suffixes.
     pub derived: Map<String, Value>,
@@ -86,6 +88,7 @@ impl FitReport {
         let mut report = Self {
             version: env!("CARGO_PKG_VERSION"),
             model: settings.model.name(),
+            phase: channels.first().map_or(Family::default(), |(_, fit)| fit.parameters.family()).name(),
             filter: filter.name(),
             backend: backend(settings.backend),
             parameters: Map::new(),
@@ -106,7 +109,8 @@ impl FitReport {
     }
 
     fn add(&mut self, suffix: &str, channel: &str, fit: &ChannelFit, model: Model) {
-        for (i, name) in NAMES.iter().enumerate() {
+        let names = fit.parameters.names();
+        for (i, name) in names.iter().enumerate() {
             let key = format!("{name}{suffix}");
             let parameter = parameter(fit, i);
             self.start.insert(key.clone(), json!(parameter.value.map(|_| fit.start[i])));
@@ -116,7 +120,7 @@ impl FitReport {
             self.derived.insert(format!("{name}{suffix}"), value);
         }
         for (i, j) in [(0, 1), (0, 2), (1, 2)] {
-            let key = format!("{}{suffix},{}{suffix}", NAMES[i], NAMES[j]);
+            let key = format!("{}{suffix},{}{suffix}", names[i], names[j]);
             self.correlations.insert(key, json!(fit.uncertainty.correlation(i, j)));
         }
         for (scene, e) in fit.exposures.iter().enumerate() {
@@ -143,7 +147,8 @@ impl FitReport {
         let mut rows = vec![row(heading)];
         let number = |v: &Value| v.as_f64().map_or_else(|| "-".to_string(), significant);
         for (name, p) in &self.parameters {
-            let unit = if name.starts_with('b') { "rad²" } else { unit };
+            let of = Family::ALL.into_iter().find(|f| name.split('.').next() == Some(f.parameter()));
+            let unit = of.map_or(unit, |of| of.unit());
             let interval = match &p["ci95"] {
                 Value::Array(ends) => format!("{} … {}", number(&ends[0]), number(&ends[1])),
                 _ => p["status"].as_str().unwrap_or("-").to_string(),
@@ -154,7 +159,7 @@ impl FitReport {
                 ["value", "std_error", "model_error", "start"].map(|key| number(&p[key]));
             rows.push(row([name, &value, &std_error, &relative, &model_error, &interval, &start, unit]));
         }
-        for name in ["sigma_t", "sigma_s_b"] {
+        for name in ["sigma_t", "sigma_s_b", "sigma_s_reduced"] {
             for (key, d) in self.derived.iter().filter(|(k, _)| k.split('.').next() == Some(name)) {
                 let [value, std_error] = ["value", "std_error"].map(|key| number(&d[key]));
                 rows.push(row([key, &value, &std_error, "", "", "derived", "", ""]));
@@ -229,27 +234,25 @@ fn parameter(fit: &ChannelFit, i: usize) -> ParameterReport {
     let status = if given { Status::Fixed } else { fit.uncertainty.status(i) };
     let error = fit.uncertainty.std_error(i);
     let input_error = error.map(|_| fit.input_error.variance_of(&Vector3::ith(i, 1.0)).sqrt());
-    let logarithmic = i != 1;
+    let parameters = &fit.parameters;
+    let slope = parameters.slope(i).abs();
     let model_error = error.and(fit.model_error.as_ref()).map(|m| m.of(&Vector3::ith(i, 1.0)));
     let interval = |e: f64| {
-        let [low, high] = fit.parameters.bounds(i);
+        let [low, high] = parameters.bounds(i);
         // What is noise adds in squares, what is an error in full.
         let sampled = fit.model_error.map_or(0.0, |m| m.variance_of(&Vector3::ith(i, 1.0)).sqrt());
         let noise = e.hypot(input_error.unwrap_or(0.0)).hypot(sampled);
         let half = Z95 * noise + model_error.unwrap_or(0.0) - sampled;
-        let ends = if logarithmic {
-            [value * (-half).exp(), value * half.exp()]
-        } else {
-            [value - half, value + half]
-        };
-        [ends[0].max(low).min(value), ends[1].min(high).max(value)]
+        let u = parameters.coordinate(i, value);
+        let [a, b] = [u - half, u + half].map(|u| parameters.value_at(i, u));
+        [a.min(b).max(low).min(value), a.max(b).min(high).max(value)]
     };
     ParameterReport {
         value: (!absent).then_some(value),
-        std_error: error.map(|e| if logarithmic { e * value } else { e }),
-        relative_error: error.filter(|_| value > 0.0).map(|e| if logarithmic { e } else { e / value }),
-        model_error: model_error.map(|e| if logarithmic { e * value } else { e }),
-        input_error: input_error.map(|e| if logarithmic { e * value } else { e }),
+        std_error: error.map(|e| e * slope),
+        relative_error: error.filter(|_| value > 0.0).map(|e| e * (slope / value)),
+        model_error: model_error.map(|e| e * slope),
+        input_error: input_error.map(|e| e * slope),
         ci95: error.map(interval),
         status,
         start: (!absent).then_some(fit.start[i]),
@@ -258,7 +261,7 @@ fn parameter(fit: &ChannelFit, i: usize) -> ParameterReport {
 
 /// What follows from the parameters of one channel.
 fn derived(fit: &ChannelFit, model: Model) -> Vec<(&'static str, Value)> {
-    let [sigma_s, sigma_a, b] = fit.parameters.values();
+    let [sigma_s, sigma_a, shape] = fit.parameters.values();
     let medium = Medium::new(sigma_s, sigma_a).expect("parameters stay in their range");
     let error =
         |gradient: [f64; 3], scale: f64| fit.variance_of(&Vector3::from(gradient)).map(|v| v.sqrt() * scale);
@@ -266,15 +269,17 @@ fn derived(fit: &ChannelFit, model: Model) -> Vec<(&'static str, Value)> {
     let sigma_t = json!({ "value": medium.sigma_t(), "std_error": error([sigma_s, 1.0, 0.0], 1.0) });
     let mut all = vec![("sigma_t", sigma_t)];
     if model.spreads() {
-        let product = sigma_s * b;
-        all.push(("sigma_s_b", json!({ "value": product, "std_error": error([1.0, 0.0, 1.0], product) })));
+        let (name, product) = product(sigma_s, fit.parameters.family(), shape);
+        all.push((name, json!({ "value": product, "std_error": error([1.0, 0.0, 1.0], product) })));
     }
     all.push(("tau", json!(medium.tau(z))));
     all.push(("optical_depth", json!(medium.sigma_t() * z)));
     all.push(("albedo", json!(medium.albedo())));
     if model.spreads() {
-        let phase = Gaussian::new(b).expect("parameters stay in their range");
-        all.push(("spread_angle_deg", json!(phase.spread_angle().to_degrees())));
+        let phase = fit.parameters.family().lobe(shape).expect("parameters stay in their range");
+        if let Lobe::Gaussian(phase) = phase {
+            all.push(("spread_angle_deg", json!(phase.spread_angle().to_degrees())));
+        }
         all.push(("g", json!(phase.mean_cosine())));
         let gauge = Gauge::of(fit).expect("parameters stay in their range");
         all.push(("validity", json!(gauge.validity)));
@@ -285,6 +290,14 @@ fn derived(fit: &ChannelFit, model: Model) -> Vec<(&'static str, Value)> {
     }
     all.push(("z", json!(z)));
     all
+}
+
+/// What thick media show of sigma_s and the shape: sigma_s·B, or the reduced scattering coefficient sigma_s (1 - g).
+fn product(sigma_s: f64, family: Family, shape: f64) -> (&'static str, f64) {
+    match family {
+        Family::Gaussian => ("sigma_s_b", sigma_s * shape),
+        Family::HenyeyGreenstein => ("sigma_s_reduced", sigma_s * (1.0 - shape)),
+    }
 }
 
 fn summary(channels: &[(String, ChannelFit)], seed: u64, seconds: f64) -> Value {

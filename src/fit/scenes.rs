@@ -1,7 +1,7 @@
 //! Fitting scene files: one fit a channel, over all scenes.
 
 use super::report::FitReport;
-use super::{ChannelFit, Datum, Intervals, NAMES, Parameters, Settings, VeilTerm, fit_channel, path_lengths};
+use super::{ChannelFit, Datum, Intervals, Parameters, Settings, VeilTerm, fit_channel, path_lengths};
 use crate::error::{Error, Result};
 use crate::filter::{Filter, Target};
 use crate::geometry::Geometry;
@@ -53,7 +53,7 @@ impl SceneFit {
         for (i, (name, fit)) in self.channels.iter().enumerate() {
             let intervals = find(&data(scenes, &reliefs, i), fit, &scenes[0].fit[i])?;
             let suffix = if self.channels.len() == 1 { String::new() } else { format!(".{name}") };
-            for (parameter, interval) in NAMES.iter().zip(intervals) {
+            for (parameter, interval) in fit.parameters.names().iter().zip(intervals) {
                 self.report.parameters[&format!("{parameter}{suffix}")][key] = serde_json::json!(interval);
             }
         }

@@ -2,7 +2,7 @@
 //!
 //! Fine detail survives only in the direct light, so the regression of the observation's Laplacian on the object's
 //! gives the direct share T; the ratio of the mean levels gives what was not absorbed. Hence sigma_t and sigma_a,
-//! and sigma_s between them. The width B is the best of a few tried with the real renderer, and so is the split
+//! and sigma_s between them. The lobe's width is the best of a few tried with the real renderer, and so is the split
 //! itself: in thick media the blurred light is taken for direct light, so larger depths are tried too. Light that a
 //! wide kernel carries out of the view lowers the level as absorption does, so each trial has its own absorption.
 
@@ -81,7 +81,8 @@ impl Scan<'_> {
             return Ok(0);
         }
         let widths: Vec<f64> = if scan_width {
-            widths.iter().map(|&share| b_of_view_share(share, &data[0], median_z)).collect()
+            let family = parameters.family();
+            widths.iter().map(|&share| family.of_width(view_share(share, &data[0], median_z))).collect()
         } else {
             vec![parameters.values()[2]]
         };
@@ -90,10 +91,10 @@ impl Scan<'_> {
         let mut best = f64::INFINITY;
         let mut asked = 0;
         for &depth in depths {
-            for &b in &widths {
+            for &shape in &widths {
                 let mut trial = first.clone();
                 trial.set(0, first.values()[0] * depth);
-                trial.set(2, b);
+                trial.set(2, shape);
                 let mut level = Level::default();
                 for (i, (observed, datum)) in observed.iter().zip(data).enumerate() {
                     let products = with_optics(&trial, settings.model, |optics| products(i, optics))?;
@@ -126,7 +127,7 @@ pub(super) fn place(
     let dimmed = split.sigma_s + split.sigma_a;
     parameters.set(0, 0.5 * dimmed);
     parameters.set(1, 0.5 * dimmed);
-    parameters.set(2, b_of_view_share(width, &data[0], median_z));
+    parameters.set(2, parameters.family().of_width(view_share(width, &data[0], median_z)));
 }
 
 /// Smaller side of the view, px.
@@ -134,9 +135,9 @@ fn view_side_px(datum: &Datum) -> f64 {
     datum.target.view.width.min(datum.target.view.height) as f64
 }
 
-/// B of a kernel whose width z sqrt(B) is `share` of the view's smaller side.
-fn b_of_view_share(share: f64, datum: &Datum, median_z: f64) -> f64 {
-    (share * view_side_px(datum) * datum.target.geometry.median_pixel_pitch() / median_z).powi(2)
+/// Planar width, rad, of the lobe whose kernel is `share` of the view's smaller side wide.
+fn view_share(share: f64, datum: &Datum, median_z: f64) -> f64 {
+    share * view_side_px(datum) * datum.target.geometry.median_pixel_pitch() / median_z
 }
 
 /// Most that absorption may dim the first guess further.

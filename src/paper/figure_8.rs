@@ -38,9 +38,9 @@ const IRRADIANCE: [f64; 3] = [3.2, 3.0, 2.8];
 
 /// sigma_s, sigma_a (1/cm) and B = (1 - g)/2 of red, green and blue.
 const MEDIA: [MediumValues; 3] = [
-    MediumValues { sigma_s: 0.1312, sigma_a: 2.87e-5, b: 0.034 },
-    MediumValues { sigma_s: 0.1544, sigma_a: 5.75e-5, b: 0.049 },
-    MediumValues { sigma_s: 0.1796, sigma_a: 1.15e-4, b: 0.0705 },
+    MediumValues::gaussian(0.1312, 2.87e-5, 0.034),
+    MediumValues::gaussian(0.1544, 5.75e-5, 0.049),
+    MediumValues::gaussian(0.1796, 1.15e-4, 0.0705),
 ];
 
 /// A ball of `radius` with stripes of two colours.

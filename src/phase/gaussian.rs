@@ -4,7 +4,7 @@
 //! p(s) = (1/B) exp(-s²/(4B)) on the plane of slopes (Shinya et al., eq. 9), with Phat(q) = exp(-B q²) (their
 //! eq. 10) and F(q) = sqrt(pi) erf(x)/(2x), x = sqrt(B) q. For narrow lobes g ≈ 1 - 2B.
 
-use super::PhaseFunction;
+use super::{Family, PhaseFunction};
 use crate::error::{Result, in_range};
 use crate::quadrature::integrate;
 use libm::{erf, erfc};
@@ -80,12 +80,12 @@ impl Gaussian {
 }
 
 impl PhaseFunction for Gaussian {
-    fn name(&self) -> &'static str {
-        "gaussian"
+    fn family(&self) -> Family {
+        Family::Gaussian
     }
 
-    fn as_gaussian(&self) -> Option<&Gaussian> {
-        Some(self)
+    fn shape(&self) -> f64 {
+        self.b
     }
 
     fn eval(&self, cos_theta: f64) -> f64 {
@@ -142,6 +142,10 @@ impl PhaseFunction for Gaussian {
 
     fn planar_width(&self) -> f64 {
         self.b.sqrt()
+    }
+
+    fn planar_width_derivative(&self) -> f64 {
+        0.5 / self.b.sqrt()
     }
 
     fn planar_second_moment(&self) -> Option<f64> {

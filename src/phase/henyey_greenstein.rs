@@ -3,7 +3,7 @@
 //! p = (1 - g²) / (1 + g² - 2 g cos theta)^{3/2}. In small-angle theory, with a = (1-g)/sqrt(g):
 //! Phat(q) = exp(-a q), F(q) = (1 - exp(-a q))/(a q). The planar second moment is infinite.
 
-use super::PhaseFunction;
+use super::{Family, PhaseFunction};
 use crate::error::{Result, in_range};
 use std::f64::consts::PI;
 
@@ -21,20 +21,15 @@ impl HenyeyGreenstein {
     pub fn new(g: f64) -> Result<Self> {
         Ok(Self { g: in_range("g", g, g > 0.0 && g < 1.0, "between 0 and 1, exclusive")? })
     }
-
-    /// da/dg = -(1+g)/(2 g^{3/2}).
-    fn width_derivative(&self) -> f64 {
-        -(1.0 + self.g) / (2.0 * self.g.powf(1.5))
-    }
 }
 
 impl PhaseFunction for HenyeyGreenstein {
-    fn name(&self) -> &'static str {
-        "henyey-greenstein"
+    fn family(&self) -> Family {
+        Family::HenyeyGreenstein
     }
 
-    fn as_henyey_greenstein(&self) -> Option<&HenyeyGreenstein> {
-        Some(self)
+    fn shape(&self) -> f64 {
+        self.g
     }
 
     fn eval(&self, cos_theta: f64) -> f64 {
@@ -63,7 +58,7 @@ impl PhaseFunction for HenyeyGreenstein {
 
     /// dPhat/dg = -q Phat da/dg.
     fn planar_transform_derivative(&self, q: f64) -> f64 {
-        -q * self.planar_transform(q) * self.width_derivative()
+        -q * self.planar_transform(q) * self.planar_width_derivative()
     }
 
     fn mean_planar_transform(&self, q: f64) -> f64 {
@@ -74,12 +69,17 @@ impl PhaseFunction for HenyeyGreenstein {
     /// dF/dg = (Phat - F)/a · da/dg.
     fn mean_planar_transform_derivative(&self, q: f64) -> f64 {
         let slope = (self.planar_transform(q) - self.mean_planar_transform(q)) / self.planar_width();
-        slope * self.width_derivative()
+        slope * self.planar_width_derivative()
     }
 
     /// a = (1-g)/sqrt(g).
     fn planar_width(&self) -> f64 {
         (1.0 - self.g) / self.g.sqrt()
+    }
+
+    /// da/dg = -(1+g)/(2 g^{3/2}).
+    fn planar_width_derivative(&self) -> f64 {
+        -(1.0 + self.g) / (2.0 * self.g.powf(1.5))
     }
 
     fn planar_second_moment(&self) -> Option<f64> {

@@ -8,26 +8,21 @@
 //! its transform Phat(q) and the mean of that over the path,
 //! F(q) = (1/q) ∫_0^q Phat(t) dt, since sigma_s ∫_0^z Phat(k u) du = sigma_s z F(k z).
 
+mod family;
 mod gaussian;
 mod henyey_greenstein;
 
+pub use family::{Family, Lobe};
 pub use gaussian::{Gaussian, b_of_spread_angle, encircled_erfc, mean_gaussian, mean_gaussian_slope};
 pub use henyey_greenstein::HenyeyGreenstein;
 
 /// What the tracer and the spread kernels need to know of a phase function.
 pub trait PhaseFunction: Send + Sync + std::fmt::Debug {
-    /// The name used in messages.
-    fn name(&self) -> &'static str;
+    /// The family that it belongs to.
+    fn family(&self) -> Family;
 
-    /// This lobe, if it is a Gaussian: for what was made for no other.
-    fn as_gaussian(&self) -> Option<&Gaussian> {
-        None
-    }
-
-    /// This lobe, if it is Henyey and Greenstein's.
-    fn as_henyey_greenstein(&self) -> Option<&HenyeyGreenstein> {
-        None
-    }
+    /// Its parameter in that family: B, rad², or g.
+    fn shape(&self) -> f64;
 
     /// p(cos theta), with (1/4pi) ∫ p dOmega = 1.
     fn eval(&self, cos_theta: f64) -> f64;
@@ -50,7 +45,7 @@ pub trait PhaseFunction: Send + Sync + std::fmt::Debug {
     /// Phat(q): transform of the planar phase function, Phat(0) = 1.
     fn planar_transform(&self, q: f64) -> f64;
 
-    /// dPhat/d(shape) at `q`, shape being the one parameter of the phase function: B or g.
+    /// dPhat/d(shape) at `q`.
     fn planar_transform_derivative(&self, q: f64) -> f64;
 
     /// F(q) = (1/q) ∫_0^q Phat(t) dt, F(0) = 1.
@@ -61,6 +56,9 @@ pub trait PhaseFunction: Send + Sync + std::fmt::Debug {
 
     /// The angle on which the planar lobe varies: sqrt(B) or a, rad.
     fn planar_width(&self) -> f64;
+
+    /// Its derivative in the shape.
+    fn planar_width_derivative(&self) -> f64;
 
     /// Planar second moment <s²>, rad²; `None` where it is infinite.
     fn planar_second_moment(&self) -> Option<f64>;

@@ -1,36 +1,57 @@
-//! `[fit]`: starting values, fixed values and bounds of each channel.
+//! `[fit]`: phase function, starting values, fixed values and bounds of each channel.
 
 use super::FitOptions;
 use super::format::{FitSection, Numbers, Pairs, PerParameter};
-use super::medium::{channel_value, three_for_one};
+use super::medium::{channel_value, family, three_for_one};
 use super::source::Source;
 use crate::error::Result;
-
-/// The parameters in their order, and whether each must be above 0 (its logarithm is fitted) or may be 0.
-const PARAMETERS: [(&str, bool); 3] = [("sigma_s", true), ("sigma_a", false), ("b", true)];
+use crate::phase::Family;
 
 /// The options of each of `channels` channels.
 pub(super) fn read_fit(source: &Source, section: &FitSection, channels: usize) -> Result<Vec<FitOptions>> {
-    (0..channels).map(|i| channel_options(source, section, i, channels)).collect()
+    let key = "[fit] phase";
+    let family = family(source, key, section.phase.as_deref())?.unwrap_or_default();
+    for (table, given) in [
+        ("start", shapes(&section.start)),
+        ("fixed", shapes(&section.fixed)),
+        ("bounds", shapes(&section.bounds)),
+    ] {
+        for other in Family::ALL.into_iter().filter(|f| *f != family) {
+            if given.contains(&other.parameter()) {
+                let (name, wrong, right) = (family.name(), other.parameter(), family.parameter());
+                let message = format!("[fit] {table} {wrong} is given, but {key} = \"{name}\" has {right}");
+                return Err(source.error(message));
+            }
+        }
+    }
+    (0..channels).map(|i| channel_options(source, section, family, (i, channels))).collect()
 }
 
-fn channel_options(source: &Source, section: &FitSection, i: usize, channels: usize) -> Result<FitOptions> {
-    let mut options = FitOptions::default();
+fn channel_options(
+    source: &Source,
+    section: &FitSection,
+    family: Family,
+    (i, channels): (usize, usize),
+) -> Result<FitOptions> {
+    let mut options = FitOptions { family, ..FitOptions::default() };
     let (start, fixed) = (in_order(&section.start), in_order(&section.fixed));
     let bounds = in_order(&section.bounds);
-    for (p, (name, above_zero)) in PARAMETERS.into_iter().enumerate() {
-        let check = |key: &str, v: f64| {
-            if above_zero { source.positive(key, v) } else { source.non_negative(key, v) }
+    for (p, name) in ["sigma_s", "sigma_a", family.parameter()].into_iter().enumerate() {
+        // The logarithm of sigma_s is fitted, sigma_a may be 0.
+        let check = |key: &str, v: f64| match p {
+            0 => source.positive(key, v),
+            1 => source.non_negative(key, v),
+            _ => source.in_range(key, v, family.allows(v), family.allowed()),
         };
         let value = |table: &str, numbers: Option<Numbers>| {
             let key = format!("[fit] {table} {name}");
             channel_value(source, &key, numbers, i, channels)?.map(|v| check(&key, v)).transpose()
         };
         options.start[p] = value("start", start[p])?;
-        // A parameter that is held may be 0 even if its logarithm would be fitted; B has no kernel at 0.
+        // A parameter that is held may be 0 even if its logarithm would be fitted; the shape has no kernel at 0.
         let key = format!("[fit] fixed {name}");
         let held = channel_value(source, &key, fixed[p], i, channels)?;
-        let allowed = |v| if name == "b" { source.positive(&key, v) } else { source.non_negative(&key, v) };
+        let allowed = |v| if p == 2 { check(&key, v) } else { source.non_negative(&key, v) };
         options.fixed[p] = held.map(allowed).transpose()?;
 
         let key = format!("[fit] bounds {name}");
@@ -57,6 +78,16 @@ fn channel_options(source: &Source, section: &FitSection, i: usize, channels: us
     Ok(options)
 }
 
+/// The keys of `table` that are shapes of a phase function.
+fn shapes<T>(table: &PerParameter<T>) -> Vec<&'static str> {
+    let given = |family: &Family| match family {
+        Family::Gaussian => table.b.is_some(),
+        Family::HenyeyGreenstein => table.g.is_some(),
+    };
+    Family::ALL.into_iter().filter(given).map(Family::parameter).collect()
+}
+
+/// sigma_s, sigma_a and whichever shape is given: the other is refused before.
 fn in_order<T: Copy>(table: &PerParameter<T>) -> [Option<T>; 3] {
-    [table.sigma_s, table.sigma_a, table.b]
+    [table.sigma_s, table.sigma_a, table.b.or(table.g)]
 }

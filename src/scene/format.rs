@@ -101,13 +101,16 @@ pub(super) struct IlluminationSection {
 pub(super) struct MediumSection {
     pub sigma_s: Option<Numbers>,
     pub sigma_a: Option<Numbers>,
+    pub phase: Option<String>,
     pub b: Option<Numbers>,
     pub spread_angle_deg: Option<Numbers>,
+    pub g: Option<Numbers>,
 }
 
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct FitSection {
+    pub phase: Option<String>,
     pub start: PerParameter<Numbers>,
     pub fixed: PerParameter<Numbers>,
     pub bounds: PerParameter<Pairs>,
@@ -119,11 +122,12 @@ pub(super) struct PerParameter<T> {
     pub sigma_s: Option<T>,
     pub sigma_a: Option<T>,
     pub b: Option<T>,
+    pub g: Option<T>,
 }
 
 impl<T> Default for PerParameter<T> {
     fn default() -> Self {
-        Self { sigma_s: None, sigma_a: None, b: None }
+        Self { sigma_s: None, sigma_a: None, b: None, g: None }
     }
 }
 

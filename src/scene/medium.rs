@@ -4,26 +4,26 @@ use super::format::{MediumSection, Numbers, TruthFile, parse};
 use super::source::Source;
 use super::{MediumValues, PartialMedium, Scene};
 use crate::error::{Result, in_range};
-use crate::phase::b_of_spread_angle;
+use crate::phase::{Family, b_of_spread_angle};
 use std::path::Path;
 
 impl Scene {
-    /// The medium of each object channel: `[medium]`, and over it `overrides` for sigma_s, sigma_a, B from the
-    /// command line, each for all channels.
+    /// The medium of each object channel: `[medium]`, and over it what `overrides` gives, on the command line, for all
+    /// channels.
     ///
     /// # Errors
     /// [`Error::Scene`](crate::Error::Scene) that names a missing value;
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) for an override.
-    pub fn medium_values(&self, overrides: [Option<f64>; 3]) -> Result<Vec<MediumValues>> {
-        let [sigma_s, sigma_a, b] = overrides;
+    pub fn medium_values(&self, overrides: PartialMedium) -> Result<Vec<MediumValues>> {
+        let PartialMedium { sigma_s, sigma_a, family, shape } = overrides;
         let coefficient = |v: f64| v.is_finite() && v >= 0.0;
         for (name, value) in [("--sigma-s", sigma_s), ("--sigma-a", sigma_a)] {
             if let Some(v) = value {
                 in_range(name, v, coefficient(v), "finite and at least 0 (1/length)")?;
             }
         }
-        if let Some(v) = b {
-            in_range("--b", v, v.is_finite() && v > 0.0, "finite and above 0 (rad²)")?;
+        if let Some(v) = shape {
+            in_range(&format!("--{}", family.parameter()), v, family.allows(v), family.allowed())?;
         }
         let source = Source { path: &self.path };
         let merge = |medium: &PartialMedium| {
@@ -32,7 +32,8 @@ impl Scene {
                 PartialMedium {
                     sigma_s: sigma_s.or(medium.sigma_s),
                     sigma_a: sigma_a.or(medium.sigma_a),
-                    b: b.or(medium.b),
+                    family: if shape.is_some() { family } else { medium.family },
+                    shape: shape.or(medium.shape),
                 },
             )
         };
@@ -48,7 +49,7 @@ impl Scene {
 pub fn read_truth(path: &Path) -> Result<Vec<MediumValues>> {
     let source = Source { path };
     let section = parse::<TruthFile>(&source)?.medium;
-    let all = [section.sigma_s, section.sigma_a, section.b, section.spread_angle_deg];
+    let all = [section.sigma_s, section.sigma_a, section.b, section.spread_angle_deg, section.g];
     let channels = if all.iter().any(|n| matches!(n, Some(Numbers::Three(_)))) { 3 } else { 1 };
     let media = read_medium(&source, Some(&section), channels)?;
     media.into_iter().map(|medium| complete(&source, medium)).collect()
@@ -62,11 +63,7 @@ pub(super) fn read_medium(
 ) -> Result<Vec<PartialMedium>> {
     let mut media = vec![PartialMedium::default(); channels];
     let Some(section) = section else { return Ok(media) };
-    if section.b.is_some() && section.spread_angle_deg.is_some() {
-        return Err(
-            source.error("[medium] b and spread_angle_deg are both given: they say the same, leave one")
-        );
-    }
+    let family = family_of(source, section)?;
     for (i, medium) in media.iter_mut().enumerate() {
         let value = |key: &str, numbers: Option<Numbers>| channel_value(source, key, numbers, i, channels);
         let coefficient = |key: &str, numbers: Option<Numbers>| {
@@ -74,13 +71,49 @@ pub(super) fn read_medium(
         };
         medium.sigma_s = coefficient("[medium] sigma_s", section.sigma_s)?;
         medium.sigma_a = coefficient("[medium] sigma_a", section.sigma_a)?;
-        let key = "[medium] b";
-        let b = value(key, section.b)?.map(|v| source.positive(key, v)).transpose()?;
+        medium.family = family;
+        let key = format!("[medium] {}", family.parameter());
+        let shape = value(&key, section.b.or(section.g))?;
+        let shape =
+            shape.map(|v| source.in_range(&key, v, family.allows(v), family.allowed())).transpose()?;
         let key = "[medium] spread_angle_deg";
         let angle = value(key, section.spread_angle_deg)?.map(|v| source.positive(key, v)).transpose()?;
-        medium.b = b.or(angle.map(|degrees| b_of_spread_angle(degrees.to_radians())));
+        medium.shape = shape.or(angle.map(|degrees| b_of_spread_angle(degrees.to_radians())));
     }
     Ok(media)
+}
+
+/// The family of the phase function that `[medium]` names or whose shape it gives, once.
+fn family_of(source: &Source, section: &MediumSection) -> Result<Family> {
+    let keys = [
+        ("b", section.b, Family::Gaussian),
+        ("spread_angle_deg", section.spread_angle_deg, Family::Gaussian),
+        ("g", section.g, Family::HenyeyGreenstein),
+    ];
+    let given: Vec<(&str, Family)> =
+        keys.into_iter().filter(|(_, v, _)| v.is_some()).map(|(key, _, of)| (key, of)).collect();
+    if let [(one, of), (other, of_other), ..] = given[..] {
+        let why = if of == of_other {
+            "they say the same, leave one"
+        } else {
+            "they belong to different phase functions, leave one"
+        };
+        return Err(source.error(format!("[medium] {one} and {other} are both given: {why}")));
+    }
+    let named = family(source, "[medium] phase", section.phase.as_deref())?;
+    match (named, given.first()) {
+        (Some(named), Some((key, of))) if named != *of => {
+            let (name, right) = (named.name(), named.parameter());
+            Err(source.error(format!("[medium] {key} is given, but phase = \"{name}\" has {right}")))
+        }
+        (named, given) => Ok(named.or(given.map(|(_, of)| *of)).unwrap_or_default()),
+    }
+}
+
+/// The family called `name`, if there is a name.
+pub(super) fn family(source: &Source, key: &str, name: Option<&str>) -> Result<Option<Family>> {
+    let wrong = |error: crate::Error| source.error(format!("{key}: {error}"));
+    name.map(|name| name.parse().map_err(wrong)).transpose()
 }
 
 /// What `numbers` say for channel `i` of `channels`.
@@ -107,9 +140,15 @@ pub(super) fn three_for_one(source: &Source, key: &str) -> crate::Error {
 fn complete(source: &Source, medium: PartialMedium) -> Result<MediumValues> {
     let missing =
         |key: &str, option: &str| source.error(format!("[medium] {key} is missing (or give {option})"));
+    let family = medium.family;
+    let instead = match family {
+        Family::Gaussian => "spread_angle_deg or g, --b, --spread-angle-deg or --g",
+        Family::HenyeyGreenstein => "--g",
+    };
     Ok(MediumValues {
         sigma_s: medium.sigma_s.ok_or_else(|| missing("sigma_s", "--sigma-s"))?,
         sigma_a: medium.sigma_a.ok_or_else(|| missing("sigma_a", "--sigma-a"))?,
-        b: medium.b.ok_or_else(|| missing("b", "spread_angle_deg, --b or --spread-angle-deg"))?,
+        family,
+        shape: medium.shape.ok_or_else(|| missing(family.parameter(), instead))?,
     })
 }

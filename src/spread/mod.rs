@@ -29,7 +29,7 @@ pub mod wide_angle;
 
 use crate::error::{Error, Result, in_range};
 use crate::medium::Medium;
-use crate::phase::{PhaseFunction, b_of_spread_angle};
+use crate::phase::{Family, PhaseFunction, b_of_spread_angle};
 use moment_matched::{MomentMatched, Moments, Profile};
 use std::fmt;
 use std::str::FromStr;
@@ -96,12 +96,21 @@ pub trait SpreadKernel: Send + Sync {
     /// Radius beyond which less than the share `outside` of the scattered light falls, to a few percent; 0 if
     /// nothing is scattered.
     fn support(&self, outside: f64) -> f64 {
+        self.reach(&|_| outside)
+    }
+
+    /// Least radius r beyond which less than the share `outside(r)` of the scattered light falls, to a few percent; 0 if
+    /// nothing is scattered.
+    fn reach(&self, outside: &dyn Fn(f64) -> f64) -> f64 {
         let scattered = self.scattered();
         if scattered < NO_LIGHT {
             return 0.0;
         }
         let radii = (0..500).map(|i| self.width() * 1.1_f64.powi(i));
-        let enough = |r: &f64| self.encircled_energy(*r) >= (1.0 - outside) * scattered;
+        let enough = |r: &f64| {
+            let outside = outside(*r);
+            outside >= 1.0 || self.encircled_energy(*r) >= (1.0 - outside) * scattered
+        };
         radii.clone().find(enough).or(radii.last()).expect("there are radii")
     }
 
@@ -131,6 +140,17 @@ pub enum Model {
     WideAngle,
     /// Paths traced for the scene at hand: no kernel, and none of [`ALL`](Model::ALL).
     Traced,
+}
+
+/// What a model has kernels for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Range {
+    /// Largest sigma_s z.
+    pub tau: f64,
+    /// Largest sigma_a z.
+    pub absorption: f64,
+    /// Least and largest shape of the phase function, B (rad²) or g.
+    pub shape: [f64; 2],
 }
 
 /// Largest tau·4B at which small-angle theory holds to 1 % of the transfer function: max|dM| ≈ .19 tau·4B,
@@ -179,22 +199,32 @@ impl Model {
         self.spreads() && !matches!(self, Model::WideAngle | Model::Traced)
     }
 
-    /// The largest sigma_s z, sigma_a z and B (rad²) that there is a kernel for.
-    pub fn largest(self) -> [f64; 3] {
-        match self {
-            Model::WideAngle => {
-                let (tau, absorption, degrees) = (TAU.1, ABSORPTION.1, SPREAD_ANGLE_DEG.1);
-                [tau, absorption, b_of_spread_angle(degrees.to_radians())]
+    /// The media that there is a kernel for, with phase functions of `family`.
+    ///
+    /// # Errors
+    /// [`Error::NoSecondMoment`] or [`Error::OnlyGaussian`] if there are none.
+    pub fn range(self, family: Family) -> Result<Range> {
+        let everything = Range { tau: f64::INFINITY, absorption: f64::INFINITY, shape: [0.0, f64::INFINITY] };
+        match (self, family) {
+            (Model::WideAngle, Family::Gaussian) => {
+                let widest = b_of_spread_angle(SPREAD_ANGLE_DEG.1.to_radians());
+                Ok(Range { tau: TAU.1, absorption: ABSORPTION.1, shape: [0.0, widest] })
             }
-            _ => [f64::INFINITY; 3],
+            (Model::WideAngle, phase) => Err(Error::OnlyGaussian { model: self.name(), phase }),
+            (
+                Model::Gaussian | Model::NarrowBeamPrinted | Model::NarrowBeam,
+                phase @ Family::HenyeyGreenstein,
+            ) => Err(Error::NoSecondMoment { model: self.name(), phase }),
+            _ => Ok(everything),
         }
     }
 
     /// The kernel of this model for `medium` and `phase` after the path length `z` (length).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] unless `z` is finite and above 0, and beyond what the model is [made for](Model::largest);
-    /// [`Error::NoKernel`] for `traced`; [`Error::NoSecondMoment`] if the model matches moments and the phase function has none; [`Error::OnlyGaussian`] if
+    /// [`Error::OutOfRange`] unless `z` is finite and above 0, and beyond what the model is [made for](Model::range);
+    /// [`Error::NoKernel`] for `traced`; [`Error::NoSecondMoment`] if the model matches moments and the phase function has
+    /// none; [`Error::OnlyGaussian`] if
     /// it was tabulated for another.
     pub fn kernel<'a>(
         self,
@@ -206,7 +236,7 @@ impl Model {
         let matched = |profile, moments| -> Result<Box<dyn SpreadKernel + 'a>> {
             let second = phase
                 .planar_second_moment()
-                .ok_or(Error::NoSecondMoment { model: self.name(), phase: phase.name() })?;
+                .ok_or(Error::NoSecondMoment { model: self.name(), phase: phase.family() })?;
             Ok(Box::new(MomentMatched::new(*medium, (phase, second), z, profile, moments)))
         };
         match self {
@@ -217,8 +247,7 @@ impl Model {
             Model::NarrowBeam => matched(Profile::Erfc, Moments::Exact),
             Model::SmallAngle => Ok(Box::new(small_angle::SmallAngle::new(*medium, phase, z))),
             Model::WideAngle => {
-                let other = || Error::OnlyGaussian { model: self.name(), phase: phase.name() };
-                let phase = phase.as_gaussian().ok_or_else(other)?;
+                self.range(phase.family())?;
                 Ok(Box::new(WideAngle::new(&wide_angle::TABLE, medium, phase, z)?))
             }
             Model::Traced => Err(Error::NoKernel),
@@ -242,6 +271,19 @@ impl FromStr for Model {
             known: Model::ALL.map(Model::name).join(", "),
         };
         Model::ALL.into_iter().find(|m| m.name() == name).ok_or_else(unknown)
+    }
+}
+
+/// Radius that holds 1 - 1/e of the light that small-angle theory scatters into the path length `z`: the root mean square
+/// radius as if the kernel were a Gaussian, or where that is infinite the radius itself, to a few percent. 0 if nothing is
+/// scattered.
+pub fn typical_radius(medium: &Medium, phase: &dyn PhaseFunction, z: f64) -> f64 {
+    match phase.planar_second_moment() {
+        Some(moment) => {
+            let scattered = medium.scattered_total(z).max(f64::MIN_POSITIVE);
+            (second_moments(medium, 0.25 * moment, z).0 / scattered).sqrt()
+        }
+        None => small_angle::SmallAngle::new(*medium, phase, z).support((-1.0_f64).exp()),
     }
 }
 

@@ -72,10 +72,10 @@ pub fn cases() -> Vec<Case> {
         side: 48,
         pixel_pitch: 0.03,
         z: 2.0,
-        medium: MediumValues { sigma_s: 0.7, sigma_a: 0.15, b: b(7.0) },
+        medium: MediumValues::gaussian(0.7, 0.15, b(7.0)),
     };
     let medium = |sigma_s, sigma_a, degrees| Setting {
-        medium: MediumValues { sigma_s, sigma_a, b: b(degrees) },
+        medium: MediumValues::gaussian(sigma_s, sigma_a, b(degrees)),
         ..base
     };
     let near = Setting { z: 1.0, ..base };

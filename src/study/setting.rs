@@ -4,8 +4,7 @@ use crate::error::Result;
 use crate::filter::{Backend, Optics, Target};
 use crate::geometry::Geometry;
 use crate::image::{Border, Channel, Image, View};
-use crate::medium::Medium;
-use crate::phase::{Gaussian, PhaseFunction};
+use crate::phase::PhaseFunction;
 use crate::scene::{FitOptions, Gain, MediumValues, Observation, PartialMedium, Scene, Veil};
 use crate::spread::Model;
 use crate::trace::{ImageConfig, TracedImage, trace_image};
@@ -95,9 +94,9 @@ impl Setting {
         self.medium.sigma_s * self.z
     }
 
-    /// sigma_s, sigma_a and B.
+    /// sigma_s, sigma_a and the shape of the phase function.
     pub fn truth(&self) -> [f64; 3] {
-        [self.medium.sigma_s, self.medium.sigma_a, self.medium.b]
+        self.medium.values()
     }
 
     fn geometry(&self) -> Result<Geometry> {
@@ -110,8 +109,7 @@ impl Setting {
     /// As [`Backend::prepare`] and [`Optics::kernel`].
     pub fn render(&self, model: Model) -> Result<Image> {
         let (object, geometry) = (self.texture.image(self.side), self.geometry()?);
-        let phase = Gaussian::new(self.medium.b)?;
-        let medium = Medium::new(self.medium.sigma_s, self.medium.sigma_a)?;
+        let (medium, phase) = (self.medium.medium()?, self.medium.lobe()?);
         let optics = Optics { model, medium, phase: &phase };
         let target = Target {
             radiance: &object,
@@ -135,15 +133,15 @@ impl Setting {
             behind: &[],
             border: Border::Zero,
             view: View::whole(self.side, self.side),
-            medium: Medium::new(self.medium.sigma_s, self.medium.sigma_a)?,
+            medium: self.medium.medium()?,
             samples,
             seed,
         };
         trace_image(&config, phase, &|_| ())
     }
 
-    /// The scene to fit to `observed`, whose pixels have the standard deviation `noise` if that is known; nothing of the medium
-    /// is in it.
+    /// The scene to fit to `observed`, whose pixels have the standard deviation `noise` if that is known; of the medium only
+    /// the family of its phase function is in it.
     ///
     /// # Errors
     /// As [`Geometry::planar`].
@@ -170,7 +168,7 @@ impl Setting {
             }),
             medium: vec![PartialMedium::default()],
             illumination: None,
-            fit: vec![FitOptions::default()],
+            fit: vec![FitOptions { family: self.medium.family, ..FitOptions::default() }],
         })
     }
 }

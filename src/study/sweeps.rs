@@ -7,7 +7,7 @@ use crate::fit::Method as Solver;
 use crate::fit::noise::with_noise;
 use crate::geometry::Geometry;
 use crate::image::Image;
-use crate::phase::{Gaussian, HenyeyGreenstein, b_of_spread_angle};
+use crate::phase::{HenyeyGreenstein, b_of_spread_angle};
 use crate::scene::{MediumValues, Scene};
 use crate::spread::Model;
 use crate::trace::log_spaced;
@@ -76,7 +76,7 @@ const CLEANER: u32 = 8;
 /// A plane at scattering depth `tau` in a medium of this spread angle; a pixel is a fifth of the width z sqrt(B).
 pub fn plane(tau: f64, spread_angle_deg: f64, side: usize) -> Setting {
     let b = b_of_spread_angle(spread_angle_deg.to_radians());
-    let medium = MediumValues { sigma_s: tau / Z, sigma_a: 0.3 / Z, b };
+    let medium = MediumValues::gaussian(tau / Z, 0.3 / Z, b);
     Setting { texture: Texture::Checker, side, pixel_pitch: 0.2 * Z * b.sqrt(), z: Z, medium }
 }
 
@@ -93,7 +93,7 @@ pub fn grid(extent: &Extent, seed: u64, tick: Tick) -> Result<Vec<Trial>> {
         for (j, &degrees) in extent.spread_angle_deg.iter().enumerate() {
             let setting = plane(tau, degrees, extent.side);
             let seed = seed + (i * extent.spread_angle_deg.len() + j) as u64;
-            let image = setting.trace(&Gaussian::new(setting.medium.b)?, extent.samples, seed)?.mean;
+            let image = setting.trace(&setting.medium.lobe()?, extent.samples, seed)?.mean;
             let scene = setting.scene(image, None)?;
             trials.extend(fits("grid", (tau, String::new()), &setting, &scene, &METHODS, [true; 3]));
             tick(1);
@@ -161,7 +161,7 @@ impl Sweeps<'_> {
     }
 
     fn trace(&self, setting: &Setting) -> Result<Image> {
-        let image = setting.trace(&Gaussian::new(setting.medium.b)?, self.samples, self.seed)?.mean;
+        let image = setting.trace(&setting.medium.lobe()?, self.samples, self.seed)?.mean;
         (self.tick)(1);
         Ok(image)
     }
@@ -210,7 +210,7 @@ impl Sweeps<'_> {
     /// From kernels of a tenth of a pixel to ones of twice the view.
     fn pitches(&self) -> Result<Vec<Trial>> {
         let mut trials = Vec::new();
-        let width = Z * self.base.medium.b.sqrt();
+        let width = Z * self.base.medium.shape.sqrt();
         for width_px in [0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 2.0 * self.base.side as f64] {
             let setting = Setting { pixel_pitch: width / width_px, ..self.base };
             let scene = self.noisy(&setting, &self.trace(&setting)?)?;

@@ -9,6 +9,7 @@
 //!   ln(1 - g) around its own, and is interpolated between them.
 
 use crate::chebyshev::Chebyshev;
+use crate::error::Result;
 use crate::phase::{Gaussian, HenyeyGreenstein, PhaseFunction};
 use std::fmt::Debug;
 
@@ -28,11 +29,11 @@ pub trait Likelihood: PhaseFunction + Copy + PartialEq {
     /// What a path remembers of its deflections, an array of f32.
     type Memory: AsRef<[f32]> + AsMut<[f32]> + Default + Copy + PartialEq + Debug + Send + Sync;
 
-    /// The one parameter of the family: B (rad²) or g.
-    fn shape(&self) -> f64;
-
-    /// This family's member among all phase functions.
-    fn among(phase: &dyn PhaseFunction) -> Option<Self>;
+    /// This family's lobe of another shape, B (rad²) or g.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) if there is none.
+    fn of_shape(shape: f64) -> Result<Self>;
 
     /// How far ln B or ln(1 - g) of another lobe may lie from that of this one for its paths' memory to serve it.
     const FARTHEST: f64;
@@ -56,12 +57,8 @@ impl Likelihood for Gaussian {
     type Memory = [f32; 1];
     const FARTHEST: f64 = f64::INFINITY;
 
-    fn shape(&self) -> f64 {
-        self.b()
-    }
-
-    fn among(phase: &dyn PhaseFunction) -> Option<Self> {
-        phase.as_gaussian().copied()
+    fn of_shape(shape: f64) -> Result<Self> {
+        Gaussian::new(shape)
     }
 
     fn recorder(&self) -> impl Fn(f32, &mut Self::Memory) + Send + Sync {
@@ -100,12 +97,8 @@ impl Likelihood for HenyeyGreenstein {
     type Memory = [f32; NODES];
     const FARTHEST: f64 = HALF_WIDTH;
 
-    fn shape(&self) -> f64 {
-        self.mean_cosine()
-    }
-
-    fn among(phase: &dyn PhaseFunction) -> Option<Self> {
-        phase.as_henyey_greenstein().copied()
+    fn of_shape(shape: f64) -> Result<Self> {
+        HenyeyGreenstein::new(shape)
     }
 
     fn recorder(&self) -> impl Fn(f32, &mut Self::Memory) + Send + Sync {

@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod fit;
+mod phase;
 mod render;
 mod studies;
 mod synthesize;

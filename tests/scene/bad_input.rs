@@ -2,7 +2,7 @@
 
 use crate::folder::{Folder, SCENE, SEEN, SIZE, and, spoilt, texture, with};
 use narrowbeam::image::Image;
-use narrowbeam::scene::{Gain, Purpose, Scene, Veil};
+use narrowbeam::scene::{Gain, PartialMedium, Purpose, Scene, Veil};
 
 #[test]
 fn a_missing_file_is_named() {
@@ -33,7 +33,7 @@ fn an_unknown_key_is_named() {
     folder.refuses(&with("pixel_pitch", "pitch"), &["`pitch`", "camera"]);
     folder.refuses(&with("noise", "nose"), &["`nose`", "observation"]);
     folder.refuses(&with("sigma_a", "sigma_b"), &["`sigma_b`", "medium"]);
-    folder.refuses(&and("[fit]\nstart = { g = 1 }"), &["`g`", "fit.start"]);
+    folder.refuses(&and("[fit]\nstart = { c = 1 }"), &["`c`", "fit.start"]);
     folder.refuses(&and("[extra]\na = 1"), &["`extra`"]);
 }
 
@@ -186,7 +186,8 @@ fn a_medium_out_of_range_is_named() {
     folder.refuses(&with("0.95", "[1, 2]"), &["medium.sigma_s", "three for R, G, B"]);
     folder.refuses(&and("spread_angle_deg = 8"), &["[medium] b and spread_angle_deg"]);
     let text = with("b = 0.0049", "spread_angle_deg = 8");
-    let b = folder.read(&text, Purpose::Render).unwrap().medium_values([None; 3]).unwrap()[0].b;
+    let b = folder.read(&text, Purpose::Render).unwrap().medium_values(PartialMedium::default()).unwrap()[0]
+        .shape;
     assert!((b - 8f64.to_radians().powi(2) / 4.0).abs() < 1e-15);
 }
 

@@ -3,6 +3,7 @@
 mod bad_input;
 mod folder;
 mod layers;
+mod phase;
 mod rules;
 
 #[path = "../common/program.rs"]

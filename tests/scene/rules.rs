@@ -3,7 +3,7 @@
 use crate::folder::{Folder, SCENE, SEEN, SIZE, spoilt, texture, with};
 use narrowbeam::geometry::Field;
 use narrowbeam::image::{Image, View};
-use narrowbeam::scene::{Gain, Purpose, Veil, read_truth};
+use narrowbeam::scene::{Gain, PartialMedium, Purpose, Veil, read_truth};
 
 #[test]
 fn a_sound_scene_is_read() {
@@ -14,7 +14,7 @@ fn a_sound_scene_is_read() {
     assert_eq!(observation.veil, Veil::Fixed(0.0));
     assert_eq!(scene.view, View { x: 2, y: 2, width: 8, height: 6 });
     assert_eq!(scene.geometry.path_length(3, 4), Some(2.0));
-    assert_eq!(scene.medium_values([None; 3]).unwrap()[0].b, 0.0049);
+    assert_eq!(scene.medium_values(PartialMedium::default()).unwrap()[0].shape, 0.0049);
 }
 
 #[test]
@@ -63,11 +63,16 @@ fn observed_pixels_may_be_negative_and_where_masked_out_anything() {
 fn the_command_line_completes_the_medium() {
     let folder = Folder::new();
     let scene = folder.read(&with("b = 0.0049", ""), Purpose::Render).unwrap();
-    let message = scene.medium_values([None; 3]).unwrap_err().to_string();
+    let message = scene.medium_values(PartialMedium::default()).unwrap_err().to_string();
     assert!(message.contains("scene.toml") && message.contains("[medium] b is missing"), "{message}");
-    let medium = scene.medium_values([Some(2.0), None, Some(0.01)]).unwrap()[0];
-    assert_eq!((medium.sigma_s, medium.sigma_a, medium.b), (2.0, 0.05, 0.01));
-    let message = scene.medium_values([Some(-2.0), None, Some(0.01)]).unwrap_err().to_string();
+    let given = |sigma_s: f64| PartialMedium {
+        sigma_s: Some(sigma_s),
+        shape: Some(0.01),
+        ..PartialMedium::default()
+    };
+    let medium = scene.medium_values(given(2.0)).unwrap()[0];
+    assert_eq!((medium.sigma_s, medium.sigma_a, medium.shape), (2.0, 0.05, 0.01));
+    let message = scene.medium_values(given(-2.0)).unwrap_err().to_string();
     assert!(message.contains("--sigma-s = -2"), "{message}");
 }
 
@@ -80,7 +85,7 @@ fn three_channels_have_three_values() {
     let text = with("0.95", "[1, 2, 3]")
         + "[fit]\nstart = { b = [0.1, 0.2, 0.3] }\nbounds = { sigma_s = [[1, 2], [2, 3], [3, 4]] }\n";
     let scene = folder.read(&text, Purpose::Fit).unwrap();
-    let media = scene.medium_values([None; 3]).unwrap();
+    let media = scene.medium_values(PartialMedium::default()).unwrap();
     assert_eq!(media.iter().map(|m| m.sigma_s).collect::<Vec<_>>(), [1.0, 2.0, 3.0]);
     assert_eq!(media[2].sigma_a, 0.05);
     assert_eq!((scene.fit[1].start[2], scene.fit[1].bounds[0]), (Some(0.2), Some([2.0, 3.0])));

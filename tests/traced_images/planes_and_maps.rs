@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use narrowbeam::geometry::{Camera, Field};
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
-use narrowbeam::phase::PhaseFunction;
+use narrowbeam::phase::{Family, PhaseFunction};
 use narrowbeam::trace::{
     Path, RadialConfig, Stream, TracedImage, free_path, log_spaced, trace_image, trace_radial,
 };
@@ -302,5 +302,5 @@ fn a_scene_that_makes_no_sense_is_refused_by_name() {
     assert!(message(&setup).contains("depth - surface"));
     setup.radiance = Image::filled(8, 7, 1.0);
     assert!(message(&setup).contains("radiance"));
-    assert_eq!(setup.phase.name(), "gaussian");
+    assert_eq!(setup.phase.family(), Family::Gaussian);
 }

@@ -71,13 +71,8 @@ pub(super) fn write(dir: &Path, setting: &Setting, grid: &Grid, curves: &[Curve]
 impl Chart {
     fn write(&self, dir: &Path, setting: &Setting, places: &[f64], curves: &[Curve]) -> Result<()> {
         let Setting { medium, phase, z } = setting;
-        let title = format!(
-            "{}: σs {}, σa {}, spread angle {}°, depth {z}",
-            self.title,
-            medium.sigma_s(),
-            medium.sigma_a(),
-            (1e3 * phase.spread_angle().to_degrees()).round() / 1e3
-        );
+        let title =
+            format!("{}: σs {}, σa {}, {phase}, depth {z}", self.title, medium.sigma_s(), medium.sigma_a());
         let series = curves.iter().map(|curve| self.series(curve, places)).collect();
         let axis = |label: &str, log: bool| Axis { label: label.into(), log };
         let chart = LineChart { title, x: axis(self.x, true), y: axis(self.y, self.y_log), series };

@@ -2,17 +2,18 @@
 
 use super::Setting;
 use crate::error::{Error, Result};
-use crate::spread::{Model, SpreadKernel, second_moments};
+use crate::phase::PhaseFunction;
+use crate::spread::{Model, SpreadKernel, typical_radius};
 use crate::trace::{Estimate, RadialProfile, log_spaced};
 use rayon::prelude::*;
 
 /// Radii, and frequencies other than 0.
 const COUNT: usize = 80;
 
-/// Radii begin at this many kernel widths z sqrt(B).
+/// Radii begin at this many kernel widths z sqrt(B), or z (1-g)/sqrt(g).
 const INNERMOST: f64 = 1e-2;
 
-/// Radii end at this many kernel widths, or at [`FARTHEST_RMS`] root mean square radii where many scatterings make
+/// Radii end at this many kernel widths, or at [`FARTHEST_RMS`] typical radii where many scatterings make
 /// the kernel wider than that.
 const FARTHEST: f64 = 20.0;
 
@@ -39,11 +40,9 @@ impl Grid {
     /// The grid that shows the kernels of `setting`.
     pub(super) fn new(setting: &Setting) -> Self {
         let Setting { medium, phase, z } = *setting;
-        let b = phase.b();
-        let width = z * b.sqrt();
-        let mean_square = second_moments(&medium, b, z).0 / medium.scattered_total(z);
-        // Without scattered light the mean square is NaN, which `max` leaves out.
-        let (first, last) = (INNERMOST * width, (FARTHEST * width).max(FARTHEST_RMS * mean_square.sqrt()));
+        let width = z * phase.planar_width();
+        let radius = typical_radius(&medium, &phase, z);
+        let (first, last) = (INNERMOST * width, (FARTHEST * width).max(FARTHEST_RMS * radius));
         let mut frequencies = vec![0.0];
         frequencies.extend(log_spaced(PHASE / last, PHASE / first, COUNT));
         Self { radii: log_spaced(first, last, COUNT), frequencies }

@@ -2,6 +2,7 @@
 
 use super::Setting;
 use crate::compare::{MEDIAN_RADII, worst_encircled_error};
+use crate::phase::{Lobe, PhaseFunction};
 use crate::spread::{Model, SMALL_ANGLE_LIMIT, SpreadKernel, second_moments, small_angle_error};
 use crate::trace::{Estimate, RadialProfile};
 use std::fmt::Write;
@@ -20,15 +21,18 @@ pub(super) fn text(setting: &Setting, kernels: &Kernels, traced: Option<&RadialP
 
 fn head(out: &mut String, setting: &Setting, traced: Option<&RadialProfile>) -> std::fmt::Result {
     let Setting { medium, phase, z } = *setting;
-    let (sigma_s, sigma_a, degrees) = (medium.sigma_s(), medium.sigma_a(), phase.spread_angle().to_degrees());
-    writeln!(
-        out,
-        "sigma_s {sigma_s}, sigma_a {sigma_a} (1/length), B {:.6e} rad² (spread angle {degrees:.3}°), depth {z}",
-        phase.b()
-    )?;
+    let lobe = match phase {
+        Lobe::Gaussian(phase) => {
+            format!("B {:.6e} rad² (spread angle {:.3}°)", phase.b(), phase.spread_angle().to_degrees())
+        }
+        Lobe::HenyeyGreenstein(_) => phase.to_string(),
+    };
+    let (sigma_s, sigma_a) = (medium.sigma_s(), medium.sigma_a());
+    writeln!(out, "sigma_s {sigma_s}, sigma_a {sigma_a} (1/length), {lobe}, depth {z}")?;
     let tau = medium.tau(z);
     writeln!(out, "tau {tau:.4}, optical depth {:.4}, albedo {:.4}", medium.sigma_t() * z, medium.albedo())?;
-    let validity = tau * 4.0 * phase.b();
+    let (family, shape) = (phase.family(), phase.shape());
+    let validity = tau * family.square_angle(shape);
     let verdict = if validity <= SMALL_ANGLE_LIMIT {
         format!("not above {SMALL_ANGLE_LIMIT}: small-angle theory holds to 1 % of the transfer function")
     } else {
@@ -37,7 +41,7 @@ fn head(out: &mut String, setting: &Setting, traced: Option<&RadialProfile>) -> 
             small_angle_error(validity)
         )
     };
-    writeln!(out, "tau·4B {validity:.4}, {verdict}")?;
+    writeln!(out, "tau·{} {validity:.4}, {verdict}", family.square_angle_formula())?;
 
     let measured = |of: fn(&RadialProfile) -> Estimate| {
         traced.map_or(String::new(), |profile| {
@@ -45,7 +49,13 @@ fn head(out: &mut String, setting: &Setting, traced: Option<&RadialProfile>) -> 
             format!("; traced {} ± {std_error:.1e}", number(value))
         })
     };
-    let (exact, printed) = second_moments(&medium, phase.b(), z);
+    let moments = match phase {
+        Lobe::Gaussian(phase) => {
+            let (exact, printed) = second_moments(&medium, phase.b(), z);
+            format!("{} exact, {} as printed (length²)", number(exact), number(printed))
+        }
+        Lobe::HenyeyGreenstein(_) => "infinite at small angles".into(),
+    };
     writeln!(out)?;
     writeln!(
         out,
@@ -53,13 +63,7 @@ fn head(out: &mut String, setting: &Setting, traced: Option<&RadialProfile>) -> 
         number(medium.transmittance(z)),
         measured(RadialProfile::direct)
     )?;
-    writeln!(
-        out,
-        "second moment R    {} exact, {} as printed (length²){}",
-        number(exact),
-        number(printed),
-        measured(RadialProfile::second_moment)
-    )?;
+    writeln!(out, "second moment R    {moments}{}", measured(RadialProfile::second_moment))?;
     writeln!(out)
 }
 

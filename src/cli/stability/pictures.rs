@@ -111,7 +111,7 @@ const CURVES: [(&str, &str, bool); 7] = [
 fn curves(trials: &[Trial]) -> ChartGrid {
     let row = |&(sweep, label, log): &(&str, &str, bool)| {
         let here: Vec<&Trial> = trials.iter().filter(|t| t.sweep == sweep).collect();
-        let mut media: Vec<f64> = here.iter().map(|t| t.setting.medium.b).collect();
+        let mut media: Vec<f64> = here.iter().map(|t| t.setting.medium.shape).collect();
         media.dedup();
         media.into_iter().map(|b| chart(&here, b, label, log)).collect()
     };
@@ -122,7 +122,7 @@ fn curves(trials: &[Trial]) -> ChartGrid {
 }
 
 fn chart(trials: &[&Trial], b: f64, label: &str, log: bool) -> LineChart {
-    let here = || trials.iter().filter(|t| t.setting.medium.b == b);
+    let here = || trials.iter().filter(|t| t.setting.medium.shape == b);
     let mut methods: Vec<String> = here().map(|t| t.method.name()).collect();
     methods.sort();
     methods.dedup();

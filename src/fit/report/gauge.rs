@@ -2,7 +2,8 @@
 
 use crate::fit::ChannelFit;
 use crate::medium::Medium;
-use crate::spread::{SMALL_ANGLE_LIMIT, second_moments, small_angle_error};
+use crate::phase::Family;
+use crate::spread::{SMALL_ANGLE_LIMIT, small_angle_error, typical_radius};
 
 /// Share of scattered light under which there is next to none.
 const NEXT_TO_NONE: f64 = 0.01;
@@ -16,11 +17,13 @@ const LIKE_A_VEIL: f64 = 0.3;
 /// Numbers that say which models and which measurements a scene allows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gauge {
-    /// tau·4B.
+    /// Family of the phase function.
+    pub family: Family,
+    /// tau times the [square angle](Family::square_angle): tau·4B, tau·2(1-g).
     pub validity: f64,
     /// Scattered light over all light that arrives.
     pub scattered_share: f64,
-    /// Root mean square radius of the kernel of small angles, px.
+    /// [Typical radius](typical_radius) of the kernel of small angles, px.
     pub kernel_width_px: f64,
     /// The same over the shorter side of the view.
     pub kernel_width_views: f64,
@@ -29,31 +32,31 @@ pub struct Gauge {
 impl Gauge {
     /// Of the medium of a fit; `None` for an optimum that is no medium.
     pub(super) fn of(fit: &ChannelFit) -> Option<Self> {
-        let [sigma_s, sigma_a, b] = fit.parameters.values();
-        let medium = &Medium::new(sigma_s, sigma_a).ok()?;
-        Some(Self::new(fit, medium, b))
-    }
-
-    fn new(fit: &ChannelFit, medium: &Medium, b: f64) -> Self {
-        let (z, tau) = (fit.median_z, medium.tau(fit.median_z));
+        let [sigma_s, sigma_a, shape] = fit.parameters.values();
+        let (family, z) = (fit.parameters.family(), fit.median_z);
+        let medium = Medium::new(sigma_s, sigma_a).ok()?;
         let scattered = medium.scattered_total(z);
-        let radius = (second_moments(medium, b, z).0 / scattered.max(f64::MIN_POSITIVE)).sqrt();
-        let kernel_width_px = radius / fit.pixel_pitch;
-        Self {
-            validity: tau * 4.0 * b,
+        let kernel_width_px = typical_radius(&medium, &family.lobe(shape).ok()?, z) / fit.pixel_pitch;
+        Some(Self {
+            family,
+            validity: medium.tau(z) * family.square_angle(shape),
             scattered_share: scattered / (scattered + medium.transmittance(z)).max(f64::MIN_POSITIVE),
             kernel_width_px,
             kernel_width_views: kernel_width_px / fit.view_px as f64,
-        }
+        })
     }
 
     /// The same in plain language.
     pub fn verdict(&self) -> String {
+        let square = self.family.square_angle_formula();
         let angles = if self.validity <= SMALL_ANGLE_LIMIT {
-            format!("angles are small (tau·4B = {:.3})", self.validity)
+            format!("angles are small (tau·{square} = {:.3})", self.validity)
         } else {
             let error = small_angle_error(self.validity);
-            format!("angles are wide (tau·4B = {:.3}: small-angle theory is off by {error})", self.validity)
+            format!(
+                "angles are wide (tau·{square} = {:.3}: small-angle theory is off by {error})",
+                self.validity
+            )
         };
         let percent = 100.0 * self.scattered_share;
         let light = match self.scattered_share {

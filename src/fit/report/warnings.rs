@@ -5,7 +5,7 @@ use super::{Warning, significant};
 use crate::filter::CUT;
 use crate::fit::structure::STRUCTURED;
 use crate::fit::uncertainty::Status;
-use crate::fit::{ChannelFit, MISFIT, NAMES};
+use crate::fit::{ChannelFit, MISFIT};
 use crate::spread::{Model, SMALL_ANGLE_LIMIT, small_angle_error};
 use nalgebra::Vector3;
 
@@ -18,13 +18,14 @@ const LARGE_MODEL_ERROR: f64 = 0.1;
 /// The warnings of one channel, whose names end in `suffix`.
 pub(super) fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warning> {
     let mut all = Vec::new();
+    let (names, family) = (fit.parameters.names(), fit.parameters.family());
     let mut warn = |code, message| all.push(Warning { code, message });
     if !fit.converged {
         warn("not_converged", format!("the fit{suffix} stopped before its optimum: {}", fit.stop));
     }
     let lost: Vec<usize> = (0..3).filter(|&i| fit.uncertainty.status(i) == Status::Undetermined).collect();
     if !lost.is_empty() {
-        let names: Vec<String> = lost.iter().map(|&i| format!("{}{suffix}", NAMES[i])).collect();
+        let names: Vec<String> = lost.iter().map(|&i| format!("{}{suffix}", names[i])).collect();
         warn(
             "undetermined",
             format!("the data do not determine {}: {}", names.join(" and "), why(fit, &lost, model)),
@@ -64,7 +65,7 @@ pub(super) fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warn
             "structure",
             format!(
                 "the residual{suffix} is not noise: averaged over blocks of pixels it is {:.0} standard deviations above \
-                 what noise leaves; the lobe may not be Gaussian, the medium not homogeneous, gain, veil or depth wrong, \
+                 what noise leaves; the lobe may not be {family}, the medium not homogeneous, gain, veil or depth wrong, \
                  pixels saturated; the intervals do not hold that",
                 fit.structure
             ),
@@ -75,7 +76,7 @@ pub(super) fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warn
             "wide_kernel",
             format!(
                 "the kernel{suffix} is {:.1} views wide: the image shows only its core, so the estimates rest on a lobe that \
-                 is Gaussian, which the residual cannot tell; look at more of the scene",
+                 is {family}, which the residual cannot tell; look at more of the scene",
                 gauge.kernel_width_views
             ),
         );
@@ -84,7 +85,7 @@ pub(super) fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warn
     let pressed: Vec<String> = on
         .iter()
         .filter(|&&i| !(i == 1 && fit.parameters.values()[1] == 0.0))
-        .map(|&i| format!("{}{suffix}", NAMES[i]))
+        .map(|&i| format!("{}{suffix}", names[i]))
         .collect();
     if !pressed.is_empty() {
         warn("at_bound", format!("on a bound, where the interval is cut: {}", pressed.join(", ")));
@@ -113,13 +114,14 @@ pub(super) fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warn
         }
         None => (),
     }
-    let [sigma_s, _, b] = fit.parameters.values();
-    let validity = sigma_s * fit.median_z * 4.0 * b;
+    let [sigma_s, _, shape] = fit.parameters.values();
+    let (validity, square) =
+        (sigma_s * fit.median_z * family.square_angle(shape), family.square_angle_formula());
     if model.rests_on_small_angles() && validity > SMALL_ANGLE_LIMIT {
         warn(
             "outside_validity",
             format!(
-                "tau·4B{suffix} = {validity:.3} is above {SMALL_ANGLE_LIMIT}: {model} rests on small angles, whose \
+                "tau·{square}{suffix} = {validity:.3} is above {SMALL_ANGLE_LIMIT}: {model} rests on small angles, whose \
                  transfer function is off by {} here, which the residual does not show; the stated model error, which \
                  the intervals hold, is a prediction of first order; use --model wide-angle or auto",
                 small_angle_error(validity)
@@ -138,8 +140,8 @@ fn why(fit: &ChannelFit, lost: &[usize], model: Model) -> &'static str {
         "with a free gain of its own, a scene at one depth cannot tell absorption from exposure; give the gain of one \
          scene, or use an object that spans depths"
     } else if lost.contains(&0) && lost.contains(&2) {
-        "they trade against each other; only sigma_s·B (derived.sigma_s_b) may be known; a second depth, a sharper \
-         object or less noise would part them"
+        "they trade against each other; only their product (derived.sigma_s_b, or sigma_s_reduced) may be known; a second \
+         depth, a sharper object or less noise would part them"
     } else {
         "the noise allows it almost any value; a longer exposure, a sharper object or another depth would help"
     }

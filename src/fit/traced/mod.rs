@@ -24,7 +24,7 @@ use crate::error::Result;
 use crate::filter::cpu::Rendering;
 use crate::filter::{Optics, Target};
 use crate::image::Image;
-use crate::phase::{Gaussian, HenyeyGreenstein};
+use crate::phase::{Family, Gaussian, HenyeyGreenstein};
 use crate::spread::Model;
 use crate::trace::{BATCHES, Hits, ImageConfig, Likelihood, Turbid};
 use plane::Plane;
@@ -204,11 +204,13 @@ fn trace<'a>(
     tracing: Tracing,
     scene: u64,
 ) -> Result<Box<dyn Paths + 'a>> {
-    if let Some(gaussian) = Gaussian::among(optics.phase) {
-        return trace_lobe(target, optics, gaussian, tracing, scene);
+    let shape = optics.phase.shape();
+    match optics.phase.family() {
+        Family::Gaussian => trace_lobe(target, optics, Gaussian::new(shape)?, tracing, scene),
+        Family::HenyeyGreenstein => {
+            trace_lobe(target, optics, HenyeyGreenstein::new(shape)?, tracing, scene)
+        }
     }
-    let other = HenyeyGreenstein::among(optics.phase).expect("there are two families");
-    trace_lobe(target, optics, other, tracing, scene)
 }
 
 fn trace_lobe<'a, P: Likelihood + 'static>(
@@ -239,22 +241,19 @@ fn trace_lobe<'a, P: Likelihood + 'static>(
 }
 
 /// The medium of `optics`, whose lobe is of the family of `P`.
-fn turbid<P: Likelihood>(optics: &Optics) -> Turbid<P> {
-    Turbid {
-        sigma_s: optics.medium.sigma_s(),
-        sigma_a: optics.medium.sigma_a(),
-        phase: P::among(optics.phase).expect("a fit does not change the family"),
-    }
+fn turbid<P: Likelihood>(optics: &Optics) -> Result<Turbid<P>> {
+    let (sigma_s, sigma_a) = (optics.medium.sigma_s(), optics.medium.sigma_a());
+    Ok(Turbid { sigma_s, sigma_a, phase: P::of_shape(optics.phase.shape())? })
 }
 
 impl<P: Likelihood> Paths for Hits<P> {
     fn render(&self, optics: &Optics, batches: Range<usize>) -> Result<Rendering> {
-        let [image, s, a, shape] = self.image(&turbid(optics), batches)?;
+        let [image, s, a, shape] = self.image(&turbid(optics)?, batches)?;
         Ok(Rendering { image, gradient: Some([s, a, shape]) })
     }
 
     fn effective_share(&self, optics: &Optics) -> Result<f64> {
-        Ok(Hits::effective_share(self, &turbid(optics)))
+        Ok(Hits::effective_share(self, &turbid(optics)?))
     }
 
     fn information(&self) -> ([f64; 3], f64) {

@@ -118,8 +118,8 @@ pub(super) struct TracedPlane<'a, P: Likelihood> {
 }
 
 impl<P: Likelihood> TracedPlane<'_, P> {
-    fn medium(&self, optics: &Optics) -> Turbid<P> {
-        in_depths(&super::turbid(optics), self.plane.node.z)
+    fn medium(&self, optics: &Optics) -> Result<Turbid<P>> {
+        Ok(in_depths(&super::turbid(optics)?, self.plane.node.z))
     }
 
     fn reweighting(&self, to: &Turbid<P>) -> Reweighting {
@@ -149,7 +149,7 @@ impl<P: Likelihood> TracedPlane<'_, P> {
 impl<P: Likelihood> Paths for TracedPlane<'_, P> {
     fn render(&self, optics: &Optics, batches: Range<usize>) -> Result<Rendering> {
         let Node { z, .. } = self.plane.node;
-        let light = self.light(&self.medium(optics), batches);
+        let light = self.light(&self.medium(optics)?, batches);
         let transfer = |k: f64| {
             let mut inner = 0.0;
             let mut sum = if k == 0.0 { light[self.edges.len()] } else { Dual::default() };
@@ -177,7 +177,7 @@ impl<P: Likelihood> Paths for TracedPlane<'_, P> {
     }
 
     fn effective_share(&self, optics: &Optics) -> Result<f64> {
-        let reweighting = self.reweighting(&self.medium(optics));
+        let reweighting = self.reweighting(&self.medium(optics)?);
         let mut effective = Effective::default();
         for path in self.batches.iter().flat_map(|b| &b.histories.paths) {
             let ratio = reweighting.of(path.scatterings, path.length, path.memory.as_ref()).ratio;

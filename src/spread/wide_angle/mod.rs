@@ -32,7 +32,7 @@ pub mod table;
 use super::{Dual, SpreadKernel};
 use crate::error::Result;
 use crate::medium::Medium;
-use crate::phase::{Gaussian, PhaseFunction};
+use crate::phase::PhaseFunction;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 use table::{RUNGS, Table};
@@ -46,8 +46,10 @@ pub static TABLE: LazyLock<Table> = LazyLock::new(|| {
 /// The tabulated kernel of one medium and path length.
 pub struct WideAngle<'a> {
     medium: Medium,
-    phase: &'a Gaussian,
+    phase: &'a dyn PhaseFunction,
     z: f64,
+    /// Derivative in the shape of the logarithm of every variance.
+    widening: f64,
     rungs: Vec<Rung>,
 }
 
@@ -66,13 +68,12 @@ impl<'a> WideAngle<'a> {
     ///
     /// # Errors
     /// [`Error::OutOfRange`](crate::Error::OutOfRange), with the range, where the table ends.
-    pub fn new(table: &Table, medium: &Medium, phase: &'a Gaussian, z: f64) -> Result<Self> {
-        let (tau, absorption, b) = (medium.tau(z), medium.sigma_a() * z, phase.b());
-        let node = table.at(tau, absorption, phase.spread_angle())?;
-        // From (tau, a, D) to (sigma_s, sigma_a, B).
+    pub fn new(table: &Table, medium: &Medium, phase: &'a dyn PhaseFunction, z: f64) -> Result<Self> {
+        let node = table.at(medium.tau(z), medium.sigma_a() * z, phase.shape())?;
+        // From (tau, a) to (sigma_s, sigma_a).
         let in_medium = |d: Dual| Dual {
             value: d.value,
-            gradient: [z * d.gradient[0], z * d.gradient[1], 2.0 / phase.spread_angle() * d.gradient[2]],
+            gradient: [z * d.gradient[0], z * d.gradient[1], d.gradient[2]],
         };
         let exp = |d: Dual| d.value.exp() * Dual { value: 1.0, gradient: d.gradient };
         let phi = Dual {
@@ -80,7 +81,8 @@ impl<'a> WideAngle<'a> {
             gradient: [z * medium.transmittance(z), -z * medium.scattered_total(z), 0.0],
         };
         let total = phi * exp(in_medium(node.total));
-        let width = Dual { value: z * b.sqrt(), gradient: [0.0, 0.0, 0.5 * z / b.sqrt()] };
+        let widening = z * phase.planar_width_derivative();
+        let width = Dual { value: z * phase.planar_width(), gradient: [0.0, 0.0, widening] };
         let rise = total * exp(in_medium(node.slope)) * width;
         let shares = |roots: &[Dual; RUNGS]| -> Vec<Dual> {
             let squares: Vec<Dual> = roots.iter().map(|&r| in_medium(r * r)).collect();
@@ -96,16 +98,17 @@ impl<'a> WideAngle<'a> {
                 variance: (x * width.value) * (x * width.value),
             }
         };
-        Ok(Self { medium: *medium, phase, z, rungs: (0..RUNGS).map(rung).collect() })
+        let widening = 2.0 * phase.planar_width_derivative() / phase.planar_width();
+        Ok(Self { medium: *medium, phase, z, widening, rungs: (0..RUNGS).map(rung).collect() })
     }
 
     /// sum_j w_j exp(-s_j² k²/2) with its derivatives.
     fn mixture(&self, k: f64, weight: impl Fn(&Rung) -> Dual) -> Dual {
-        let b = self.phase.b();
         self.rungs.iter().fold(Dual::default(), |sum, rung| {
             let exponent = 0.5 * rung.variance * k * k;
             let gaussian = (-exponent).exp();
-            sum + weight(rung) * Dual { value: gaussian, gradient: [0.0, 0.0, -exponent / b * gaussian] }
+            sum + weight(rung)
+                * Dual { value: gaussian, gradient: [0.0, 0.0, -exponent * self.widening * gaussian] }
         })
     }
 }
@@ -130,10 +133,9 @@ impl SpreadKernel for WideAngle<'_> {
     /// The offset's share is exact: E[r exp(ik·r)] = -i grad M.
     fn mean_slope(&self, k: f64, nearness: f64) -> Dual {
         let steep = self.mixture(k, |rung| rung.slope);
-        let b = self.phase.b();
         let offset = self.mixture(k, |rung| {
-            rung.light
-                * Dual { value: rung.variance / self.z, gradient: [0.0, 0.0, rung.variance / (self.z * b)] }
+            let value = rung.variance / self.z;
+            rung.light * Dual { value, gradient: [0.0, 0.0, value * self.widening] }
         });
         k * k * (nearness * offset - steep)
     }

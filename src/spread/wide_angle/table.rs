@@ -52,7 +52,7 @@ pub struct Place {
     pub spread_angle: f64,
 }
 
-/// What is interpolated, with derivatives in tau, sigma_a z and the spread angle.
+/// What is interpolated, with derivatives in tau, sigma_a z and B.
 pub(super) struct Interpolated {
     /// ln(W/phi).
     pub total: Dual,
@@ -133,7 +133,8 @@ impl Table {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] outside the table.
-    pub(super) fn at(&self, tau: f64, absorption: f64, spread_angle: f64) -> Result<Interpolated> {
+    pub(super) fn at(&self, tau: f64, absorption: f64, b: f64) -> Result<Interpolated> {
+        let spread_angle = (4.0 * b).sqrt();
         let within = |v: f64, high: f64| v >= 0.0 && v <= high * (1.0 + 1e-12);
         let degrees = spread_angle.to_degrees();
         let up_to =
@@ -154,12 +155,12 @@ impl Table {
             "at most 60 degrees, where the table of model wide-angle ends (--model traced has no end)";
         up_to("spread angle", SPREAD_ANGLE_DEG.1, degrees, angle)?;
 
-        // Coordinates, and their derivatives in tau, sigma_a z and the spread angle.
+        // Coordinates, and their derivatives in tau, sigma_a z and B.
         let narrowest = SPREAD_ANGLE_DEG.0.to_radians();
         let x = [tau.max(TAU.0).sqrt(), (2.0 * absorption).ln_1p(), spread_angle.max(narrowest)];
         let in_tau = if tau > TAU.0 { 0.5 / tau.sqrt() } else { 0.0 };
-        let in_angle = if spread_angle > narrowest { 1.0 } else { 0.0 };
-        let dx = [in_tau, 2.0 / (1.0 + 2.0 * absorption), in_angle];
+        let in_b = if spread_angle > narrowest { 2.0 / spread_angle } else { 0.0 };
+        let dx = [in_tau, 2.0 / (1.0 + 2.0 * absorption), in_b];
         let basis: [Vec<f64>; 3] = std::array::from_fn(|i| self.axes[i].basis(x[i]));
         let slope: [Vec<f64>; 3] =
             std::array::from_fn(|i| self.axes[i].basis_slope(x[i]).into_iter().map(|s| s * dx[i]).collect());
@@ -183,7 +184,7 @@ impl Table {
         }
         let dual = |i: usize| Dual { value: sums[0][i], gradient: [sums[1][i], sums[2][i], sums[3][i]] };
         Ok(Interpolated {
-            total: dual(0) * Dual { value: bending(spread_angle), gradient: [0.0, 0.0, 2.0 * spread_angle] },
+            total: dual(0) * Dual { value: bending(spread_angle), gradient: [0.0, 0.0, 4.0] },
             slope: dual(1),
             light_roots: std::array::from_fn(|j| dual(2 + j)),
             slope_roots: std::array::from_fn(|j| dual(2 + RUNGS + j)),
