@@ -4,6 +4,7 @@ use super::backend::Chosen;
 use super::options::{RenderOptions, TracingOptions, WantedModel, positive, provenance};
 use super::progress::Progress;
 use super::{UNDETERMINED, aligned, say};
+use crate::error::Error;
 use crate::fit::ladder::climb;
 use crate::fit::scenes::{SceneFit, check_scenes, fit_scenes};
 use crate::fit::{Method, Settings, bootstrap, profile};
@@ -55,6 +56,7 @@ const TYPICAL_RENDERS: u64 = 40;
 const CONFIRMING_RENDERS: u64 = 3;
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
+    check_intervals(arguments)?;
     let scenes = arguments
         .scenes
         .iter()
@@ -76,6 +78,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     write(arguments, &scenes, &fit, &chosen)?;
     tell(arguments, &fit, &chosen)?;
     Ok(if fit.report.is_complete() { ExitCode::SUCCESS } else { ExitCode::from(UNDETERMINED) })
+}
+
+/// Refuses intervals that would not hold the noise of traced paths.
+fn check_intervals(arguments: &Arguments) -> crate::Result<()> {
+    let wanted = arguments.profile || arguments.bootstrap > 0;
+    if wanted && arguments.rendering.model == WantedModel::This(Model::Traced) {
+        let why = "--profile and --bootstrap do not hold the noise of the paths of --model traced; its model_error does";
+        return Err(Error::Usage(why.into()));
+    }
+    Ok(())
 }
 
 fn settings_of<'a>(

@@ -16,6 +16,8 @@
 //! | `small-angle` | T (exp(tau F(kz)) - 1) | Wells 1969; Ishimaru 1978, ch. 13 | tau·4B ≤ .05 to 1 % of M |
 //! | `wide-angle` | a mixture of Gaussians from a table | [`wide_angle`] | tau ≤ 12, sigma_a z ≤ 10, spread angle ≤ 60° |
 //!
+//! The model `traced` has no kernel: `fit` and `render` trace the scene at hand.
+//!
 //! F is the mean planar transform of the phase function ([`crate::phase`]); in the moment-matched kernels it is
 //! that of a Gaussian lobe, whatever the phase function, and beta² = 3 R / phi.
 

@@ -207,9 +207,7 @@ fn trace<'a>(
     let shape = optics.phase.shape();
     match optics.phase.family() {
         Family::Gaussian => trace_lobe(target, optics, Gaussian::new(shape)?, tracing, scene),
-        Family::HenyeyGreenstein => {
-            trace_lobe(target, optics, HenyeyGreenstein::new(shape)?, tracing, scene)
-        }
+        Family::HenyeyGreenstein => trace_lobe(target, optics, HenyeyGreenstein::new(shape)?, tracing, scene),
     }
 }
 
