@@ -96,6 +96,11 @@ pub enum Error {
         /// The phase function that it was given.
         phase: Family,
     },
+    /// A model that has no kernel was asked for one.
+    #[error(
+        "model traced has no kernel, its paths are traced scene by scene; use it with narrowbeam fit or render"
+    )]
+    NoKernel,
     /// A name that is none of those known.
     #[error("unknown {what} {name}; known are {known}")]
     UnknownName {

@@ -1,28 +1,27 @@
 //! Histories against the radial tally, and reweighted histories against those of the other medium.
 
 use narrowbeam::medium::Medium;
-use narrowbeam::phase::{Family, b_of_spread_angle};
+use narrowbeam::phase::{Gaussian, HenyeyGreenstein, b_of_spread_angle};
 use narrowbeam::trace::{
-    Histories, History, RadialConfig, Reweighted, ScaledMedium, trace_histories, trace_radial,
+    Histories, History, Likelihood, RadialConfig, Reweighted, Turbid, trace_histories, trace_radial,
 };
 
 const PATHS: u64 = 200_000;
 
-fn of_b(tau: f64, absorption: f64, b: f64) -> ScaledMedium {
-    ScaledMedium { tau, absorption, lobe: Family::Gaussian.lobe(b).unwrap() }
-}
+/// In units of the plane's depth.
+type Scaled = Turbid<Gaussian>;
 
-fn scaled(tau: f64, absorption: f64, degrees: f64) -> ScaledMedium {
-    of_b(tau, absorption, b_of_spread_angle(degrees.to_radians()))
+fn scaled(sigma_s: f64, sigma_a: f64, degrees: f64) -> Scaled {
+    Turbid { sigma_s, sigma_a, phase: Gaussian::new(b_of_spread_angle(degrees.to_radians())).unwrap() }
 }
 
 /// Light within `radius`.
-fn within(histories: &Histories, radius: f64) -> f64 {
+fn within<P: Likelihood>(histories: &Histories<P>, radius: f64) -> f64 {
     histories.weight * histories.paths.iter().filter(|h| f64::from(h.radius) < radius).count() as f64
 }
 
 /// Mean over independent runs of the light within `radius`, and its standard error: copies of a path are not independent.
-fn light(medium: ScaledMedium, radius: f64) -> (f64, f64) {
+fn light<P: Likelihood>(medium: Turbid<P>, radius: f64) -> (f64, f64) {
     let runs = 16;
     let one = |seed| within(&trace_histories(medium, PATHS / runs, seed).unwrap(), radius);
     let values: Vec<f64> = (100..100 + runs).map(one).collect();
@@ -31,29 +30,34 @@ fn light(medium: ScaledMedium, radius: f64) -> (f64, f64) {
     (mean, (squares / (runs * (runs - 1)) as f64).sqrt())
 }
 
+fn agrees_with_the_radial_tally<P: Likelihood>(medium: Turbid<P>) {
+    let radii = vec![0.3, 1.0];
+    let config = RadialConfig {
+        medium: Medium::new(medium.sigma_s, medium.sigma_a).unwrap(),
+        depths: vec![1.0],
+        edges: radii.clone(),
+        paths: 1_000_000,
+        seed: 12,
+    };
+    let profile = trace_radial(&config, &medium.phase, &|_| ()).unwrap().remove(0);
+    for (i, radius) in radii.into_iter().enumerate() {
+        let (found, error) = light(medium, radius);
+        let want = profile.encircled_energy(i);
+        // Of a standard error from 16 runs, five are exceeded in one of 5000 cases.
+        let noise = 5.0 * error.hypot(want.std_error);
+        assert!((found - want.value).abs() < noise, "{medium:?} {radius}: {found} ± {error}, {want:?}");
+        // A tenth less light would be seen.
+        assert!(0.1 * found > noise, "{medium:?} {radius}: {noise}");
+    }
+}
+
 #[test]
 fn light_within_a_radius_is_that_of_the_radial_tally() {
-    let hg = ScaledMedium { tau: 2.0, absorption: 1.0, lobe: Family::HenyeyGreenstein.lobe(0.85).unwrap() };
-    for medium in [scaled(0.1, 0.0, 10.0), scaled(2.0, 1.0, 30.0), scaled(4.0, 4.0, 40.0), hg] {
-        let radii = vec![0.3, 1.0];
-        let config = RadialConfig {
-            medium: Medium::new(medium.tau, medium.absorption).unwrap(),
-            depths: vec![1.0],
-            edges: radii.clone(),
-            paths: 1_000_000,
-            seed: 12,
-        };
-        let profile = trace_radial(&config, &medium.lobe, &|_| ()).unwrap().remove(0);
-        for (i, radius) in radii.into_iter().enumerate() {
-            let (found, error) = light(medium, radius);
-            let want = profile.encircled_energy(i);
-            // Of a standard error from 16 runs, five are exceeded in one of 5000 cases.
-            let noise = 5.0 * error.hypot(want.std_error);
-            assert!((found - want.value).abs() < noise, "{medium:?} {radius}: {found} ± {error}, {want:?}");
-            // A tenth less light would be seen.
-            assert!(0.1 * found > noise, "{medium:?} {radius}: {noise}");
-        }
+    for medium in [scaled(0.1, 0.0, 10.0), scaled(2.0, 1.0, 30.0), scaled(4.0, 4.0, 40.0)] {
+        agrees_with_the_radial_tally(medium);
     }
+    let phase = HenyeyGreenstein::new(0.85).unwrap();
+    agrees_with_the_radial_tally(Turbid { sigma_s: 2.0, sigma_a: 1.0, phase });
 }
 
 #[test]
@@ -64,8 +68,12 @@ fn histories_do_not_depend_on_the_number_of_threads() {
     assert_eq!(one, trace());
 }
 
+fn medium([sigma_s, sigma_a, b]: [f64; 3]) -> Scaled {
+    Turbid { sigma_s, sigma_a, phase: Gaussian::new(b).unwrap() }
+}
+
 /// Light near the axis.
-fn near(path: &History) -> f64 {
+fn near(path: &History<[f32; 1]>) -> f64 {
     f64::from(u8::from(path.radius < 0.25))
 }
 
@@ -73,7 +81,7 @@ fn near(path: &History) -> f64 {
 fn reweighted_histories_are_those_of_the_other_medium() {
     let from = trace_histories(scaled(1.0, 0.3, 20.0), PATHS, 21).unwrap();
     let to = scaled(1.15, 0.5, 21.5);
-    let reweighted = from.reweighted(to, near).unwrap();
+    let reweighted = from.reweighted(&to, near);
     let fresh = within(&trace_histories(to, PATHS, 22).unwrap(), 0.25);
     assert!(reweighted.effective_paths > 0.5 * PATHS as f64);
     let noise = fresh * 4.0 * (1.0 / reweighted.effective_paths + 1.0 / PATHS as f64).sqrt();
@@ -85,7 +93,7 @@ fn reweighted_histories_are_those_of_the_other_medium() {
 #[test]
 fn derivatives_of_reweighted_light_are_those_of_its_differences() {
     let from = trace_histories(scaled(1.0, 0.3, 20.0), PATHS, 23).unwrap();
-    let at = |p: [f64; 3]| -> Reweighted { from.reweighted(of_b(p[0], p[1], p[2]), near).unwrap() };
+    let at = |p: [f64; 3]| -> Reweighted { from.reweighted(&medium(p), near) };
     let p = [1.1, 0.35, 0.031];
     for i in 0..3 {
         let step = 1e-4 * p[i];
@@ -102,10 +110,8 @@ fn derivatives_of_reweighted_light_are_those_of_its_differences() {
 #[test]
 fn derivatives_are_those_of_fresh_tracing() {
     let p = [1.0, 0.3, b_of_spread_angle(20.0_f64.to_radians())];
-    let medium = |p: [f64; 3]| of_b(p[0], p[1], p[2]);
     let paths = 4 * PATHS;
-    let gradient =
-        trace_histories(medium(p), paths, 31).unwrap().reweighted(medium(p), near).unwrap().gradient;
+    let gradient = trace_histories(medium(p), paths, 31).unwrap().reweighted(&medium(p), near).gradient;
     for i in 0..3 {
         let step = 0.2 * p[i];
         let (mut up, mut down) = (p, p);
@@ -124,7 +130,7 @@ fn derivatives_are_those_of_fresh_tracing() {
 #[test]
 fn effective_paths_fall_with_the_distance_of_the_medium() {
     let from = trace_histories(scaled(1.0, 0.0, 20.0), PATHS, 41).unwrap();
-    let effective = |to| from.reweighted(to, |_| 1.0).unwrap().effective_paths;
+    let effective = |to| from.reweighted(&to, |_| 1.0).effective_paths;
     let here = effective(scaled(1.0, 0.0, 20.0));
     assert!((here - from.paths.len() as f64).abs() < 1e-6 * here);
     let (near, far) = (effective(scaled(1.1, 0.1, 21.0)), effective(scaled(3.0, 0.1, 30.0)));

@@ -1,9 +1,10 @@
 //! `narrowbeam fit`: from observed scenes to a medium.
 
 use super::backend::Chosen;
-use super::options::{RenderOptions, WantedModel, positive, provenance};
+use super::options::{RenderOptions, TracingOptions, WantedModel, positive, provenance};
 use super::progress::Progress;
 use super::{UNDETERMINED, aligned, say};
+use crate::error::Error;
 use crate::fit::ladder::climb;
 use crate::fit::scenes::{SceneFit, check_scenes, fit_scenes};
 use crate::fit::{Method, Settings, bootstrap, profile};
@@ -24,6 +25,8 @@ pub(super) struct Arguments {
     scenes: Vec<PathBuf>,
     #[command(flatten)]
     rendering: RenderOptions,
+    #[command(flatten)]
+    tracing: TracingOptions,
     /// Relative error of a parameter up to which --model auto is content with a cheaper model
     #[arg(long, default_value_t = 0.01, value_name = "X", value_parser = positive)]
     tolerance: f64,
@@ -39,9 +42,6 @@ pub(super) struct Arguments {
     /// Also find 95 % intervals by so many refits of the best fit with fresh noise
     #[arg(long, value_name = "N", default_value_t = 0)]
     bootstrap: usize,
-    /// Seed of that noise
-    #[arg(long, default_value_t = 1, value_name = "S")]
-    seed: u64,
     /// Directory for fit.json, render.exr, residual.exr, hidden_share.exr (if something is hidden) and pictures
     #[arg(long, default_value = "narrowbeam-fit", value_name = "DIR")]
     out: PathBuf,
@@ -56,13 +56,14 @@ const TYPICAL_RENDERS: u64 = 40;
 const CONFIRMING_RENDERS: u64 = 3;
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
+    check_intervals(arguments)?;
     let scenes = arguments
         .scenes
         .iter()
         .map(|path| Scene::read(path, Purpose::Fit))
         .collect::<crate::Result<Vec<_>>>()?;
     let chosen = Chosen::new(arguments.rendering.backend, &scenes, [CONFIRMING_RENDERS, TYPICAL_RENDERS])?;
-    check_scenes(&scenes, &settings_of(arguments, &chosen, &|| ()))?;
+    check_scenes(&scenes, &settings_of(arguments, &chosen, &|| ())?)?;
     atomic::create_dir(&arguments.out)?;
     for i in 0..scenes.len() {
         for (name, kind) in OUTPUTS {
@@ -80,31 +81,45 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     Ok(if fit.report.is_complete() { ExitCode::SUCCESS } else { ExitCode::from(UNDETERMINED) })
 }
 
+/// Refuses intervals that would not hold the noise of traced paths.
+fn check_intervals(arguments: &Arguments) -> crate::Result<()> {
+    let wanted = arguments.profile || arguments.bootstrap > 0;
+    if wanted && arguments.rendering.model == WantedModel::This(Model::Traced) {
+        let why = "--profile and --bootstrap do not hold the noise of the paths of --model traced; its model_error does";
+        return Err(Error::Usage(why.into()));
+    }
+    Ok(())
+}
+
 fn settings_of<'a>(
     arguments: &Arguments,
     chosen: &'a Chosen,
     progress: &'a (dyn Fn() + Sync),
-) -> Settings<'a> {
+) -> crate::Result<Settings<'a>> {
     let model = match arguments.rendering.model {
         WantedModel::This(model) => model,
         // What any input must at least be good for.
         WantedModel::Auto => Model::SmallAngle,
     };
-    Settings {
+    Ok(Settings {
         model,
         backend: chosen.backend(),
         method: arguments.solver,
         max_iterations: arguments.max_iterations,
         sums: arguments.solver == Method::LevenbergMarquardt,
+        tracing: arguments.tracing.read(&arguments.rendering)?,
         progress,
-    }
+    })
 }
 
 fn estimate(arguments: &Arguments, scenes: &[Scene], chosen: &Chosen) -> crate::Result<SceneFit> {
     let renders = TYPICAL_RENDERS * (scenes.len() * scenes[0].object.len()) as u64;
-    let progress = Progress::new("fitting", "renders", renders);
+    let progress = match arguments.rendering.model {
+        WantedModel::This(Model::Traced) => Progress::uncounted("tracing and fitting"),
+        _ => Progress::new("fitting", "renders", renders),
+    };
     let tick = || progress.add(1);
-    let (settings, filter) = (settings_of(arguments, chosen, &tick), arguments.rendering.filter);
+    let (settings, filter) = (settings_of(arguments, chosen, &tick)?, arguments.rendering.filter);
     match arguments.rendering.model {
         WantedModel::This(_) => fit_scenes(scenes, &settings, filter),
         WantedModel::Auto => climb(scenes, &settings, filter, arguments.tolerance),
@@ -123,16 +138,16 @@ fn add_intervals(
         let progress = Progress::uncounted("profile likelihood");
         fit.add_intervals("profile95", scenes, filter, |data, channel, options| {
             let tick = || progress.add(1);
-            let settings = settings_of(arguments, chosen, &tick);
+            let settings = settings_of(arguments, chosen, &tick)?;
             profile(data, channel, options, &Settings { model: channel.model, ..settings })
         })?;
     }
     if arguments.bootstrap > 0 {
         let refits = (arguments.bootstrap * scenes[0].object.len()) as u64;
         let progress = Progress::new("bootstrap", "fits", refits);
-        let draws = (arguments.bootstrap, arguments.seed);
+        let draws = (arguments.bootstrap, arguments.tracing.seed);
         fit.add_intervals("bootstrap95", scenes, filter, |data, channel, options| {
-            let settings = Settings { model: channel.model, ..settings_of(arguments, chosen, &|| ()) };
+            let settings = Settings { model: channel.model, ..settings_of(arguments, chosen, &|| ())? };
             bootstrap(data, channel, options, &settings, draws, &|| progress.add(1))
         })?;
     }
@@ -148,7 +163,7 @@ fn add_advice(
 ) -> crate::Result<()> {
     let progress = Progress::uncounted("reckoning what would determine more");
     let tick = || progress.add(1);
-    fit.add_advice(scenes, &settings_of(arguments, chosen, &tick), arguments.rendering.filter)
+    fit.add_advice(scenes, &settings_of(arguments, chosen, &tick)?, arguments.rendering.filter)
 }
 
 /// The table for people goes to stdout, or to stderr if stdout is for the JSON.

@@ -3,7 +3,7 @@
 use super::backend::Wanted;
 use crate::error::{Error, Result};
 use crate::filter::Filter;
-use crate::fit::PathLengths;
+use crate::fit::{MOST_PATHS, PathLengths, Tracing};
 use crate::phase::{Family, b_of_spread_angle};
 use crate::scene::{MediumValues, PartialMedium};
 use crate::spread::{Model, SMALL_ANGLE_LIMIT};
@@ -43,8 +43,8 @@ impl MediumOptions {
 /// How a scene is rendered.
 #[derive(Debug, Args)]
 pub(super) struct RenderOptions {
-    /// Spread model: beer-lambert, single-scatter, gaussian, narrow-beam-printed, narrow-beam, small-angle, wide-angle, or
-    /// auto: no more than the scene needs
+    /// Spread model: beer-lambert, single-scatter, gaussian, narrow-beam-printed, narrow-beam, small-angle, wide-angle,
+    /// traced (fit and render: paths traced for the scene, slow, right in every medium), or auto: no more than the scene needs
     #[arg(long, default_value = "auto")]
     pub model: WantedModel,
     /// Filter for depth maps: eq29, composite, or auto: composite where the depth map has edges or slopes
@@ -53,6 +53,38 @@ pub(super) struct RenderOptions {
     /// Where to compute: cpu, gpu (a graphics adapter, be it a software one), or auto: a real one if it pays off
     #[arg(long, default_value = "auto")]
     pub backend: Wanted,
+}
+
+/// What the model `traced` traces.
+#[derive(Debug, Args)]
+pub(super) struct TracingOptions {
+    /// Paths that --model traced traces for each scene and channel [default: 1048576 for a plane seen by parallel rays, else
+    /// 16777216]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_PATHS))]
+    paths: Option<u64>,
+    /// Seed of their random numbers, and of other noise that is drawn
+    #[arg(long, default_value_t = 1, value_name = "S")]
+    pub seed: u64,
+}
+
+impl TracingOptions {
+    /// Paths and seed.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if they and the options of `rendering` contradict each other.
+    pub(super) fn read(&self, rendering: &RenderOptions) -> Result<Tracing> {
+        let traced = rendering.model == WantedModel::This(Model::Traced);
+        let refuse = |why: &str| Err(Error::Usage(why.into()));
+        if traced && rendering.filter == Filter::Eq29 {
+            return refuse(
+                "--model traced sees the edges and slopes of the object; --filter eq29 knows none",
+            );
+        }
+        if !traced && self.paths.is_some() {
+            return refuse("--paths goes with --model traced");
+        }
+        Ok(Tracing::new(self.paths, self.seed))
+    }
 }
 
 /// A finite number above 0.
@@ -81,7 +113,11 @@ impl FromStr for WantedModel {
     type Err = Error;
 
     fn from_str(name: &str) -> Result<Self> {
-        if name == "auto" { Ok(WantedModel::Auto) } else { name.parse().map(WantedModel::This) }
+        match name {
+            "auto" => Ok(WantedModel::Auto),
+            "traced" => Ok(WantedModel::This(Model::Traced)),
+            _ => name.parse().map(WantedModel::This),
+        }
     }
 }
 

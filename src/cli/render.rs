@@ -1,15 +1,16 @@
 //! `narrowbeam render`: a scene through its medium by a spread model.
 
 use super::backend::Chosen;
-use super::options::{MediumOptions, RenderOptions, exr_or_png, has_extension, provenance};
+use super::options::{MediumOptions, RenderOptions, TracingOptions, exr_or_png, has_extension, provenance};
 use super::progress::Progress;
 use crate::error::Error;
 use crate::filter::{CUT, Filter, Optics, Target, hidden_share};
-use crate::fit::path_lengths;
+use crate::fit::{path_lengths, render_traced};
 use crate::image::Channel;
 use crate::io::{atomic, exr};
 use crate::plots::{Figure, Panel, Shade};
 use crate::scene::{Purpose, Scene};
+use crate::spread::Model;
 use anyhow::Result;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use std::path::{Path, PathBuf};
@@ -23,6 +24,8 @@ pub(super) struct Arguments {
     #[command(flatten)]
     rendering: RenderOptions,
     #[command(flatten)]
+    tracing: TracingOptions,
+    #[command(flatten)]
     medium: MediumOptions,
     /// Image to write
     #[arg(long, value_name = "FILE.exr")]
@@ -34,6 +37,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
+    let tracing = arguments.tracing.read(&arguments.rendering)?;
     let scene = Scene::read(&arguments.scene, Purpose::Render)?;
     let media = scene.medium_values(arguments.medium.values())?;
     check_outputs(arguments)?;
@@ -56,9 +60,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
             view: scene.view,
             relief: relief.as_ref(),
         };
-        let filter = backend.prepare(target, &optics, 1.0)?;
-        let image = filter.render(&optics)?;
-        cut |= filter.coverage(&optics)?.cut;
+        let image = if model == Model::Traced {
+            render_traced(target, &optics, tracing)?
+        } else {
+            let filter = backend.prepare(target, &optics, 1.0)?;
+            cut |= filter.coverage(&optics)?.cut;
+            filter.render(&optics)?
+        };
         channels.push(Channel { name: object.name.clone(), image });
         if arguments.hidden_share.is_some() {
             shares

@@ -73,11 +73,21 @@ impl<'a> Basis<'a> {
         let mut all = Vec::with_capacity(self.count());
         for node in &self.slices.nodes {
             let kernel = optics.kernel(node.z)?;
-            let direct = all.len();
-            all.extend(self.ladder.weights(&*kernel, node.pitch));
-            all[direct] = all[direct] + kernel.direct();
+            all.extend(self.weights_at(node, kernel.direct(), &|k| kernel.scattered_transfer(k)));
         }
         Ok(all)
+    }
+
+    /// The weights of the images of one depth, for its direct light and the transfer function of its scattered light.
+    pub fn weights_at(&self, node: &Node, direct: Dual, transfer: &dyn Fn(f64) -> Dual) -> Vec<Dual> {
+        let mut weights = self.ladder.weights(transfer, node.pitch);
+        weights[0] = weights[0] + direct;
+        weights
+    }
+
+    /// The depths.
+    pub fn nodes(&self) -> &[Node] {
+        &self.slices.nodes
     }
 
     /// Largest error of the ladder's transfer functions, relative to the scattered light.
@@ -85,8 +95,10 @@ impl<'a> Basis<'a> {
     /// # Errors
     /// As [`Optics::kernel`].
     pub fn error(&self, optics: &Optics) -> Result<f64> {
-        let error =
-            |worst: f64, node: &Node| Ok(worst.max(self.ladder.error(&*optics.kernel(node.z)?, node.pitch)));
+        let error = |worst: f64, node: &Node| {
+            let kernel = optics.kernel(node.z)?;
+            Ok(worst.max(self.ladder.error(&|k| kernel.scattered_transfer(k), node.pitch)))
+        };
         self.slices.nodes.iter().try_fold(0.0, error)
     }
 

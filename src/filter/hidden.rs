@@ -8,7 +8,7 @@ use crate::spread::Model;
 
 /// Share of the light of every pixel of the view that comes from what is supposed, but not known, to lie behind near
 /// surfaces: the light that it would send if everything there had radiance 1, over exp(-sigma_a z). Where there is no
-/// object, z is the median path length.
+/// object, z is the median path length. For the model `traced`, which has no kernels, those of `small-angle` tell.
 ///
 /// # Errors
 /// As [`Optics::kernel`], and [`Error::Gpu`](crate::Error::Gpu) if the device fails.
@@ -19,6 +19,10 @@ pub fn hidden_share<'a>(target: &Target<'a>, optics: &Optics, backend: Backend<'
     if optics.model == Model::BeerLambert {
         return Ok(nothing);
     }
+    let optics = match optics.model {
+        Model::Traced => &Optics { model: Model::SmallAngle, ..*optics },
+        _ => optics,
+    };
     let light = backend.prepare_hidden(*target, relief, optics)?.render(optics)?;
     let typical = median(geometry.path_lengths());
     Ok(Image::from_fn(view.width, view.height, |x, y| {

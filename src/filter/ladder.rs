@@ -9,7 +9,7 @@
 //! How dense the ladder must be follows from the kernels' bandwidth in ln w: the Mellin transform of a Gaussian falls
 //! like exp(-pi omega/4), and widths that grow by the ratio q resolve omega up to pi/ln q.
 
-use crate::spread::{Dual, SpreadKernel};
+use crate::spread::Dual;
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
 
@@ -73,20 +73,20 @@ impl Ladder {
         &self.widths
     }
 
-    /// Values and derivatives of the scattered transfer function of `kernel`, seen at `pitch` (length per pixel), on
+    /// Values and derivatives of a scattered transfer function of k (rad/length), seen at `pitch` (length per pixel), on
     /// the grid.
-    fn sampled(&self, kernel: &dyn SpreadKernel, pitch: f64) -> DMatrix<f64> {
+    fn sampled(&self, transfer: &dyn Fn(f64) -> Dual, pitch: f64) -> DMatrix<f64> {
         let mut samples = DMatrix::zeros(self.grid.len(), 4);
         for (mut row, w) in samples.row_iter_mut().zip(&self.grid) {
-            let Dual { value, gradient: [s, a, b] } = kernel.scattered_transfer(w / pitch);
+            let Dual { value, gradient: [s, a, b] } = transfer(w / pitch);
             row.copy_from_slice(&[value, s, a, b]);
         }
         samples
     }
 
-    /// Weight of each width's image in the light that `kernel` scatters.
-    pub fn weights(&self, kernel: &dyn SpreadKernel, pitch: f64) -> Vec<Dual> {
-        let weights = &self.weights * self.sampled(kernel, pitch);
+    /// Weight of each width's image in the light scattered with the transfer function `transfer`.
+    pub fn weights(&self, transfer: &dyn Fn(f64) -> Dual, pitch: f64) -> Vec<Dual> {
+        let weights = &self.weights * self.sampled(transfer, pitch);
         let dual = |i: usize| Dual {
             value: weights[(i, 0)],
             gradient: [weights[(i, 1)], weights[(i, 2)], weights[(i, 3)]],
@@ -95,8 +95,8 @@ impl Ladder {
     }
 
     /// Largest error of the mixture's transfer function, relative to the scattered light.
-    pub fn error(&self, kernel: &dyn SpreadKernel, pitch: f64) -> f64 {
-        let samples = self.sampled(kernel, pitch);
+    pub fn error(&self, transfer: &dyn Fn(f64) -> Dual, pitch: f64) -> f64 {
+        let samples = self.sampled(transfer, pitch);
         (&self.errors * samples.column(0)).amax() / samples[(0, 0)].max(f64::MIN_POSITIVE)
     }
 }

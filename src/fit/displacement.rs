@@ -30,7 +30,14 @@ impl Displacement<'_, '_> {
         }
         let problem = Problem::new(Source::Renders(self.renders), &seen, self.parameters, self.settings);
         let equations = problem.equations(&self.parameters.internal())?;
-        let image = (2.0 * equations.cost / equations.pixels.max(1) as f64).sqrt();
+        let image = (2.0 * equations.cost.max(0.0) / equations.pixels.max(1) as f64).sqrt();
         Ok((self.uncertainty.step(&equations.gradient), image))
+    }
+
+    /// Where one batch of the paths of the model `traced` would lead the coordinates.
+    pub fn by_batch(&self, batch: usize) -> Result<Vector3<f64>> {
+        let source = Source::Batch(self.renders, batch);
+        let problem = Problem::new(source, self.observed, self.parameters, self.settings);
+        Ok(self.uncertainty.step(&problem.equations(&self.parameters.internal())?.gradient))
     }
 }

@@ -4,6 +4,7 @@
 //! projection in Kaufman's form, 1975); what belongs to them is kept for their errors.
 
 use super::observed::Counted;
+use crate::filter::cpu::Rendering;
 use crate::image::Image;
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Matrix6, Vector2, Vector3, Vector6};
 use rayon::prelude::*;
@@ -82,6 +83,20 @@ pub(super) const ONE: usize = 5;
 /// Pixels summed together; the chunks are added in order, so that the result does not depend on the threads.
 const CHUNK: usize = 8192;
 
+/// The six images at one pixel.
+#[inline]
+fn six(
+    &Counted { index, value, .. }: &Counted,
+    image: &Image,
+    gradient: Option<&[Image; 3]>,
+    reference: Vector2<f64>,
+) -> [f64; 6] {
+    let i = index as usize;
+    let m = f64::from(image.data[i]);
+    let [s, a, b] = gradient.map_or([0.0; 3], |g| [0, 1, 2].map(|c| f64::from(g[c].data[i])));
+    [m, s, a, b, reference[0] * m + reference[1] - f64::from(value), 1.0]
+}
+
 impl Products {
     /// The sums over `pixels` of `image` and its derivatives, which count as 0 if missing.
     pub(super) fn over(
@@ -92,17 +107,29 @@ impl Products {
     ) -> Self {
         let chunk = |pixels: &[Counted]| {
             let mut sums = [[0.0; 6]; 6];
-            for &Counted { index, value, weight } in pixels {
-                let i = index as usize;
-                let m = f64::from(image.data[i]);
-                let [s, a, b] = gradient.map_or([0.0; 3], |g| [0, 1, 2].map(|c| f64::from(g[c].data[i])));
-                let all = [m, s, a, b, reference[0] * m + reference[1] - f64::from(value), 1.0];
-                let weighted = all.map(|v| v * f64::from(weight));
+            for pixel in pixels {
+                let all = six(pixel, image, gradient, reference);
+                let weighted = all.map(|v| v * f64::from(pixel.weight));
                 for (row, left) in sums.iter_mut().zip(weighted) {
                     row.iter_mut().zip(all).for_each(|(sum, right)| *sum += left * right);
                 }
             }
             Matrix6::from_fn(|i, j| sums[i][j])
+        };
+        let chunks: Vec<_> = pixels.par_chunks(CHUNK).map(chunk).collect();
+        Self { reference, sums: chunks.into_iter().sum() }
+    }
+
+    /// The same sums of the products of one of two renders with the other.
+    pub(super) fn between(pixels: &[Counted], renders: [&Rendering; 2], reference: Vector2<f64>) -> Self {
+        let chunk = |pixels: &[Counted]| {
+            let mut sums = Matrix6::zeros();
+            for pixel in pixels {
+                let [a, b] =
+                    renders.map(|r| Vector6::from(six(pixel, &r.image, r.gradient.as_ref(), reference)));
+                sums += a * b.transpose() * f64::from(pixel.weight);
+            }
+            0.5 * (sums + sums.transpose())
         };
         let chunks: Vec<_> = pixels.par_chunks(CHUNK).map(chunk).collect();
         Self { reference, sums: chunks.into_iter().sum() }

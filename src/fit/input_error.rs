@@ -5,13 +5,14 @@
 //! the image that the best fit would have with the depth or the gain one standard error off.
 
 use super::displacement::Displacement;
-use super::{Datum, with_optics};
+use super::{Datum, render_traced, with_optics};
 use crate::error::Result;
 use crate::filter::Target;
 use crate::geometry::{Field, Geometry};
 use crate::image::Image;
 use crate::relief::Relief;
 use crate::scene::Gain;
+use crate::spread::Model;
 use nalgebra::{Matrix3, Vector3};
 
 /// Covariance of the coordinates (ln sigma_s, sigma_a, ln B) by the errors of the input; those of different scenes are
@@ -78,6 +79,9 @@ fn deeper(geometry: &Geometry, error: f64) -> Geometry {
 /// `target` by the model at the optimum.
 fn render(target: Target, fit: &Displacement) -> Result<Image> {
     with_optics(fit.parameters, fit.settings.model, |optics| {
+        if optics.model == Model::Traced {
+            return render_traced(target, optics, fit.settings.tracing);
+        }
         fit.settings.backend.prepare(target, optics, 1.0)?.render(optics)
     })
 }

@@ -118,7 +118,7 @@ pub fn bootstrap(
     (draws, seed): (usize, u64),
     progress: &(dyn Fn() + Sync),
 ) -> Result<Intervals> {
-    let (model, method, max_iterations) = (settings.model, settings.method, settings.max_iterations);
+    let Settings { model, method, max_iterations, tracing, .. } = *settings;
     let options = FitOptions { start: fit.parameters.values().map(Some), ..*options };
     // What the fit left out for hidden light stays out: its render is compared with itself there.
     let estimates = (0..draws).into_par_iter().map(|draw| {
@@ -132,8 +132,15 @@ pub fn bootstrap(
         let noisy: Vec<Image> = data.iter().enumerate().map(noisy).collect();
         let drawn: Vec<Datum> =
             data.iter().zip(&noisy).map(|(d, image)| Datum { observed: image, ..*d }).collect();
-        let settings =
-            Settings { model, method, max_iterations, backend: Backend::Cpu, sums: false, progress: &|| () };
+        let settings = Settings {
+            model,
+            method,
+            max_iterations,
+            backend: Backend::Cpu,
+            sums: false,
+            tracing,
+            progress: &|| (),
+        };
         let values = fit_channel(&drawn, &options, &settings)?.parameters.values();
         progress();
         Ok(values)

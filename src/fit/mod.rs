@@ -23,6 +23,7 @@ mod solver;
 mod start;
 mod structure;
 mod sums;
+mod traced;
 mod uncertainty;
 
 pub mod forecast;
@@ -41,6 +42,7 @@ pub use model_error::ModelError;
 pub use parameters::{Bounds, NAMES, Parameters, PathLengths, names};
 
 pub use solver::Method;
+pub use traced::{MOST_PATHS, Tracing, render_traced};
 pub use uncertainty::{Status, Uncertainty};
 
 use crate::error::{Error, Result};
@@ -73,8 +75,17 @@ pub struct Settings<'a> {
     pub max_iterations: u64,
     /// Whether to find the optimum by sums over the image where a scene allows it, instead of by renders.
     pub sums: bool,
+    /// What the model `traced` traces.
+    pub tracing: Tracing,
     /// Called after every render.
     pub progress: &'a dyn Fn(),
+}
+
+impl Settings<'_> {
+    /// The same with fewer paths if the medium is yet `sought`.
+    fn for_search(&self, sought: bool) -> Self {
+        Self { tracing: if sought { self.tracing.fewer() } else { self.tracing }, ..*self }
+    }
 }
 
 impl Default for Settings<'_> {
@@ -85,6 +96,7 @@ impl Default for Settings<'_> {
             method: Method::LevenbergMarquardt,
             max_iterations: 200,
             sums: true,
+            tracing: Tracing::default(),
             progress: &|| (),
         }
     }
@@ -146,6 +158,9 @@ pub struct ChannelFit {
     pub sum_evaluations: u64,
     /// Real 2-D FFTs of one evaluation with derivatives, over all scenes.
     pub transforms: usize,
+    /// Paths traced in all, and the least share of those of a scene that carries the weight at the best fit; `None` but for the model
+    /// `traced`.
+    pub paths: Option<(u64, f64)>,
     /// Whether some scene's gain was free.
     pub free_gain: bool,
     /// Each scene's best fit, gain · object light + veil, over its view: to compare with the observation.
@@ -181,8 +196,10 @@ pub const HEADROOM: f64 = 1.4;
 const MISFIT: f64 = 1.5;
 /// Relative change of the estimated noise below which the scenes' weights are settled.
 const NOISE_SETTLED: f64 = 0.02;
-/// Times a fit is planned anew, or the noise estimated anew, at most.
+/// Times a fit is planned anew, or the noise estimated anew, at most; and times that paths are traced anew, whose steps are
+/// shorter.
 const MOST_ROUNDS: usize = 6;
+const MOST_TRACED_ROUNDS: usize = 16;
 
 /// Fits one channel's medium to `data`; all scenes share it.
 ///
@@ -195,6 +212,11 @@ const MOST_ROUNDS: usize = 6;
 /// options, [`Error::NotFinite`] if a render is not finite, those of [`Model::range`].
 pub fn fit_channel(data: &[Datum], options: &FitOptions, settings: &Settings) -> Result<ChannelFit> {
     let observed = data.iter().map(Observed::new).collect::<Result<Vec<_>>>()?;
+    if settings.model == Model::Traced {
+        let pilot = fit_channel(data, options, &Settings { model: traced::PILOT, ..*settings })?;
+        let start = pilot.parameters.values().map(Some);
+        return fit_from((data, observed), &FitOptions { start, ..*options }, settings, (None, None));
+    }
     let sums = settings.sums.then(|| Sums::of_all(&observed)).flatten();
     let fit = |width, sums| fit_from((data, observed.clone()), options, settings, (width, sums));
     let mut best = fit(None, sums.as_deref())?;
@@ -250,7 +272,9 @@ fn fit_from<'a>(
     let unknown_noise = data.iter().any(|d| d.noise.is_none());
     let mut iterations = 0;
     let mut round = 0;
-    let mut renders = Renders::new(data, &observed, &parameters, settings)?;
+    let mut scouting = settings.model == Model::Traced;
+    let most_rounds = if scouting { MOST_TRACED_ROUNDS } else { MOST_ROUNDS };
+    let mut renders = Renders::new(data, &observed, &parameters, &settings.for_search(scouting))?;
     loop {
         round += 1;
         if let Some(sums) = sums {
@@ -269,9 +293,9 @@ fn fit_from<'a>(
         let images = renders.exposed(&parameters, settings, &unsettled, data)?;
         // Only the ratio of the scenes' weights moves the optimum, so one scene is settled whatever its noise.
         let mut change: f64 = 0.0;
-        for ((o, datum), render) in observed.iter_mut().zip(data).zip(&images) {
+        for (i, (o, datum)) in observed.iter_mut().zip(data).enumerate() {
             if datum.noise.is_none() {
-                let noise = o.fine_noise(render);
+                let noise = renders.noise(i, &parameters, (o, &unsettled[i], &images[i]))?;
                 change = change.max((noise / o.noise - 1.0).abs());
                 o.noise = noise;
             }
@@ -280,7 +304,7 @@ fn fit_from<'a>(
         let mut uncovered = false;
         for (i, (o, share)) in observed.iter_mut().zip(&hidden_shares).enumerate() {
             if let Some(share) = share
-                && round < MOST_ROUNDS
+                && round < most_rounds
                 && o.leave_out_hidden(share)?
             {
                 renders.observe(i, o)?;
@@ -289,8 +313,8 @@ fn fit_from<'a>(
         }
         let settled = !uncovered && (data.len() == 1 || change < NOISE_SETTLED);
         let Coverage { served, cut } = renders.coverage(&parameters, settings)?;
-        let settled = settled && served;
-        if settled || round == MOST_ROUNDS || !outcome.converged {
+        let settled = settled && served && !scouting;
+        if settled || round == most_rounds || !outcome.converged {
             let problem = Problem::new(Source::Renders(&renders), &observed, &parameters, settings);
             let last = if unknown_noise { problem.equations(&outcome.point)? } else { outcome.equations };
             let fitted = parameters.free_count() + data.iter().map(Datum::free_exposure).sum::<usize>();
@@ -301,7 +325,7 @@ fn fit_from<'a>(
             let mut uncertainty = Uncertainty::new(&last, &parameters, median_z, inflation);
             let pull = uncertainty.step(&last.gradient);
             let exposures = exposures(&last, &observed, Some(&uncertainty));
-            let transforms = renders.transforms();
+            let (transforms, paths) = (renders.transforms(), renders.paths(&parameters)?);
             let mut at_optimum = Displacement {
                 data,
                 observed: &observed,
@@ -347,14 +371,16 @@ fn fit_from<'a>(
                 by_sums,
                 sum_evaluations,
                 transforms,
+                paths,
                 free_gain: data.iter().any(|d| d.gain == Gain::Free),
                 parameters,
             };
             fit.determined = identifiability::determined(data, &fit);
             return Ok(fit);
         }
-        if !served {
-            renders = Renders::new(data, &observed, &parameters, settings)?;
+        if !served || scouting {
+            scouting &= !served;
+            renders = Renders::new(data, &observed, &parameters, &settings.for_search(scouting))?;
         }
     }
 }
@@ -400,6 +426,8 @@ fn foresee<'a>(
 #[derive(Clone, Copy)]
 enum Source<'a> {
     Renders(&'a Renders<'a>),
+    /// One batch of the paths of the model `traced` against all others.
+    Batch(&'a Renders<'a>, usize),
     Sums(&'a [Sums<'a>]),
 }
 
@@ -425,11 +453,21 @@ impl<'a> Problem<'a> {
         self.parameters
     }
 
+    /// Bounds of the coordinates, and of what is trusted of the source.
+    pub(crate) fn bounds(&self) -> [Bounds; 3] {
+        let bounds = self.parameters.internal_bounds();
+        match self.source {
+            Source::Renders(renders) => renders::within(bounds, renders.trust()),
+            _ => bounds,
+        }
+    }
+
     /// Cost, gradient and Gauss-Newton matrix at the internal point `u`.
     pub(crate) fn equations(&self, u: &[f64; 3]) -> Result<NormalEquations> {
         let parameters = self.parameters.at(u);
         let products = match self.source {
             Source::Renders(renders) => renders.products(&parameters, self.settings, self.observed)?,
+            Source::Batch(renders, batch) => renders.products_of_batch(&parameters, self.observed, batch)?,
             Source::Sums(sums) => with_optics(&parameters, self.settings.model, |optics| {
                 sums.iter().map(|s| s.products(optics)).collect()
             })?,
@@ -444,7 +482,7 @@ impl<'a> Problem<'a> {
                 let products = renders.levels(&self.parameters.at(u), self.settings, self.observed)?;
                 Ok(self.compare(&products, [0.0; 3]).cost)
             }
-            Source::Sums(_) => Ok(self.equations(u)?.cost),
+            Source::Batch(..) | Source::Sums(_) => Ok(self.equations(u)?.cost),
         }
     }
 

@@ -4,6 +4,8 @@
 //! that W rendered: the Gauss-Newton step of M towards the image of W at the medium found. The reference is the
 //! `wide-angle` model, whose own error is measured. What that does to the estimate is reckoned in the same way, and the
 //! two are added.
+//!
+//! The model `traced` has no such error, but its paths are a sample.
 
 use super::displacement::Displacement;
 use super::{Datum, Settings, Status, with_optics};
@@ -12,7 +14,8 @@ use crate::filter::Optics;
 use crate::image::Image;
 use crate::phase::Family;
 use crate::spread::Model;
-use nalgebra::Vector3;
+use crate::trace::BATCHES;
+use nalgebra::{Matrix3, Vector3};
 
 /// What every other model is measured against.
 const REFERENCE: Model = Model::WideAngle;
@@ -49,6 +52,8 @@ pub struct ModelError {
     reference: Vector3<f64>,
     /// Of the last coordinate by the shape of the reference's kernel.
     width: f64,
+    /// Covariance by the noise of traced paths.
+    noise: Matrix3<f64>,
     /// Root mean square difference of a pixel from the reference's image, in units of its noise.
     pub image: f64,
 }
@@ -58,6 +63,9 @@ impl ModelError {
     pub(super) fn new(fit: &mut Displacement) -> Result<Option<Self>> {
         if (0..3).all(|i| fit.uncertainty.status(i) != Status::Free) {
             return Ok(None);
+        }
+        if fit.settings.model == Model::Traced {
+            return Self::of_paths(fit).map(Some);
         }
         let (parameters, settings) = (fit.parameters, fit.settings);
         let shapes = if parameters.is_placeholder(2) {
@@ -85,7 +93,7 @@ impl ModelError {
             let (with_more, _) = fit.towards(images.iter().map(more).collect())?;
             let (bias, image) = fit.towards(images.into_iter().map(|(whole, _)| whole).collect())?;
             let width = width_error(parameters.family());
-            let error = Self { bias, reference: with_more - bias, width, image };
+            let error = Self { bias, reference: with_more - bias, width, noise: Matrix3::zeros(), image };
             if worst.is_none_or(|w| error.bias.norm() > w.bias.norm()) {
                 worst = Some(error);
             }
@@ -93,9 +101,30 @@ impl ModelError {
         Ok(worst)
     }
 
+    /// The error by the noise of traced paths, from batches of them that are independent of each other.
+    ///
+    /// The gradient of the cost is a mean over pairs of batches, one of which renders and the other derives. Of such a mean
+    /// over pairs of n (a U-statistic, Hoeffding 1948) the jackknife's variance is 4/n · ((n - 1)/(n - 2))² times that of the
+    /// means over the pairs of one batch.
+    fn of_paths(fit: &mut Displacement) -> Result<Self> {
+        let steps = (0..BATCHES).map(|batch| fit.by_batch(batch)).collect::<Result<Vec<_>>>()?;
+        let n = BATCHES as f64;
+        let mean = steps.iter().sum::<Vector3<f64>>() / n;
+        let squares: Matrix3<f64> = steps.iter().map(|s| (s - mean) * (s - mean).transpose()).sum();
+        let noise = squares / (n - 1.0) * 4.0 / n * ((n - 1.0) / (n - 2.0)).powi(2);
+        Ok(Self { bias: Vector3::zeros(), reference: Vector3::zeros(), width: 0.0, noise, image: 0.0 })
+    }
+
+    /// Variance of the linear function `gradient`·u of the coordinates by the noise of traced paths.
+    pub fn variance_of(&self, gradient: &Vector3<f64>) -> f64 {
+        gradient.dot(&(self.noise * gradient))
+    }
+
     /// What is stated as the error of the linear function `gradient`·u of the coordinates.
     pub fn of(&self, gradient: &Vector3<f64>) -> f64 {
-        MARGIN * self.bias_of(gradient).abs() + self.reference_of(gradient)
+        MARGIN * self.bias_of(gradient).abs()
+            + self.reference_of(gradient)
+            + self.variance_of(gradient).sqrt()
     }
 
     /// The part of it that the reference makes as well: what no model here can know better.

@@ -6,6 +6,7 @@
 use super::datum::{Datum, NoiseTerm, VeilTerm};
 use super::equations::{Linear, NormalEquations, ONE, Products, RENDER};
 use crate::error::{Error, Result, in_range};
+use crate::filter::cpu::Rendering;
 use crate::image::Image;
 use crate::scene::Gain;
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3, Vector6};
@@ -152,6 +153,12 @@ impl<'a> Observed<'a> {
         Vector2::new(gain, 0.0)
     }
 
+    /// What a fit needs of an image that two independent renders with derivatives agree on but for their noise: the mean
+    /// products of one with the other, in which the noise has no part.
+    pub(super) fn products_between(&self, renders: [&Rendering; 2]) -> Products {
+        Products::between(&self.pixels, renders, self.given_exposure())
+    }
+
     /// What a fit needs of `image`, rendered with or without `gradient`.
     pub(super) fn products(&self, image: &Image, gradient: Option<&[Image; 3]>) -> Products {
         Products::over(&self.pixels, image, gradient, self.given_exposure())
@@ -192,24 +199,27 @@ impl<'a> Observed<'a> {
         }
     }
 
-    /// Standard deviation of a pixel's noise, from the fine structure of the residual observation - `render` (already
+    /// Standard deviation of a pixel's noise, from the fine structure of the residual observation - render (already
     /// exposed and veiled): the Laplacian of white noise has 20 times its variance, while a misfit, being blurred as
-    /// the object's light is, has little there. So a misfit shows in chi² and does not pass for noise.
-    pub(super) fn fine_noise(&self, render: &Image) -> f64 {
+    /// the object's light is, has little there. So a misfit shows in chi² and does not pass for noise. Of two `renders` the noise that is not in both
+    /// has no part.
+    pub(super) fn fine_noise(&self, renders: [&Image; 2]) -> f64 {
         let (observed, width) = (self.datum.observed, self.datum.observed.width);
-        let residual = |i: usize| f64::from(observed.data[i]) - f64::from(render.data[i]);
+        let residual = |r: usize, i: usize| f64::from(observed.data[i]) - f64::from(renders[r].data[i]);
         let (mut sum, mut number) = (0.0, 0);
         for y in 1..observed.height.saturating_sub(1) {
             for i in y * width + 1..(y + 1) * width - 1 {
                 let around = [i - 1, i + 1, i - width, i + width];
                 if self.counts[i] && around.iter().all(|&n| self.counts[n]) {
-                    let laplacian = 4.0 * residual(i) - around.iter().map(|&n| residual(n)).sum::<f64>();
-                    sum += laplacian * laplacian;
+                    let laplacian =
+                        |r: usize| 4.0 * residual(r, i) - around.iter().map(|&n| residual(r, n)).sum::<f64>();
+                    sum += laplacian(0) * laplacian(1);
                     number += 1;
                 }
             }
         }
-        let all = self.pixels.iter().map(|p| residual(p.index as usize).powi(2)).sum::<f64>();
+        let square = |p: &Counted| residual(0, p.index as usize) * residual(1, p.index as usize);
+        let all = self.pixels.iter().map(square).sum::<f64>();
         let variance = if number >= FEWEST_LAPLACIANS {
             sum / f64::from(20 * number)
         } else {
@@ -217,7 +227,7 @@ impl<'a> Observed<'a> {
         };
         let level =
             self.pixels.iter().map(|p| f64::from(p.value).powi(2)).sum::<f64>() / self.pixels() as f64;
-        variance.sqrt().max(RENDER_ERROR * level.sqrt()).max(1e-30)
+        variance.max(0.0).sqrt().max(RENDER_ERROR * level.sqrt()).max(1e-30)
     }
 
     /// The sums of m², m y and y² over noise², of the render m and the observation y; a free veil is taken off both.

@@ -45,12 +45,15 @@ const DEFAULT_BOUNDS: [Bounds; 2] = [[1e-4, 60.0], [0.0, 30.0]];
 
 /// Default bounds of the shape: B up to a spread angle of 60°; g up to a lobe as narrow as B's, and down to where it is hardly
 /// a lobe.
-fn default_shapes(family: Family) -> Bounds {
-    match family {
-        Family::Gaussian => [1e-8, 0.274],
-        Family::HenyeyGreenstein => [0.3, 0.9999],
+fn default_shapes(family: Family, model: Model) -> Bounds {
+    match (family, model) {
+        (Family::Gaussian, Model::Traced) => [1e-8, WIDEST],
+        (Family::Gaussian, _) => [1e-8, 0.274],
+        (Family::HenyeyGreenstein, _) => [0.3, 0.9999],
     }
 }
+/// Widest lobe of a model without a range of its own, rad²: the same in all directions to a tenth.
+const WIDEST: f64 = 25.0;
 
 impl Parameters {
     /// Parameters as the user asks for them, values not yet chosen where neither fixed nor started.
@@ -64,7 +67,7 @@ impl Parameters {
         let limits: [Bounds; 3] =
             [[0.0, range.tau / lengths.longest], [0.0, range.absorption / lengths.longest], range.shape];
         let [of_sigma_s, of_sigma_a] = DEFAULT_BOUNDS.map(|pair| pair.map(|v| v / lengths.median));
-        let mut bounds = [of_sigma_s, of_sigma_a, default_shapes(family)];
+        let mut bounds = [of_sigma_s, of_sigma_a, default_shapes(family, model)];
         let mut values = [0.0; 3];
         let mut fixed = [false; 3];
         for (i, name) in names(family).into_iter().enumerate() {
@@ -76,7 +79,8 @@ impl Parameters {
             bounds[i] = options.bounds[i].unwrap_or([low.min(start), high.max(start)]);
             let [low, high] = bounds[i];
             let beyond = "what model wide-angle has kernels for: at the longest path, sigma_s z up to 12, sigma_a z up to 10; \
-                          a spread angle up to 60 degrees; or g from .5 on, sigma_s z up to 5, sigma_a z up to 2";
+                          a spread angle up to 60 degrees; or g from .5 on, sigma_s z up to 5, sigma_a z up to 2; --model traced has \
+                          no such end";
             let key = format!("[fit] bounds or start of {name}");
             in_range(&key, high, high <= largest, beyond)?;
             in_range(&key, low, low >= least, beyond)?;

@@ -99,7 +99,7 @@ impl FitReport {
             parameters: Map::new(),
             derived: Map::new(),
             correlations: Map::new(),
-            fit: summary(channels, seconds),
+            fit: summary(channels, settings.tracing.seed, seconds),
             exposures: Vec::new(),
             start: Map::new(),
             command: None,
@@ -248,7 +248,10 @@ fn parameter(fit: &ChannelFit, i: usize) -> ParameterReport {
     let model_error = error.and(fit.model_error.as_ref()).map(|m| m.of(&Vector3::ith(i, 1.0)));
     let interval = |e: f64| {
         let [low, high] = parameters.bounds(i);
-        let half = Z95 * e.hypot(input_error.unwrap_or(0.0)) + model_error.unwrap_or(0.0);
+        // What is noise adds in squares, what is an error in full.
+        let sampled = fit.model_error.map_or(0.0, |m| m.variance_of(&Vector3::ith(i, 1.0)).sqrt());
+        let noise = e.hypot(input_error.unwrap_or(0.0)).hypot(sampled);
+        let half = Z95 * noise + model_error.unwrap_or(0.0) - sampled;
         let u = parameters.coordinate(i, value);
         let [a, b] = [u - half, u + half].map(|u| parameters.value_at(i, u));
         [a.min(b).max(low).min(value), a.max(b).min(high).max(value)]
@@ -306,7 +309,7 @@ fn product(sigma_s: f64, family: Family, shape: f64) -> (&'static str, f64) {
     }
 }
 
-fn summary(channels: &[(String, ChannelFit)], seconds: f64) -> Value {
+fn summary(channels: &[(String, ChannelFit)], seed: u64, seconds: f64) -> Value {
     let fits = || channels.iter().map(|(_, fit)| fit);
     let sum = |f: fn(&ChannelFit) -> u64| fits().map(f).sum::<u64>();
     let pixels = sum(|f| f.pixels as u64);
@@ -328,6 +331,11 @@ fn summary(channels: &[(String, ChannelFit)], seconds: f64) -> Value {
         "iterations": sum(|f| f.iterations),
         "evaluations": sum(|f| f.evaluations),
         "sum_evaluations": sum(|f| f.sum_evaluations),
+        "traced": fits().find_map(|f| f.paths).map(|_| json!({
+            "paths": sum(|f| f.paths.map_or(0, |(count, _)| count)),
+            "effective_share": fits().filter_map(|f| f.paths).map(|(_, share)| share).fold(1.0, f64::min),
+            "seed": seed,
+        })),
         "seconds": seconds,
     })
 }

@@ -94,7 +94,7 @@ impl LevenbergMarquardt {
     fn new(problem: &Problem) -> Self {
         let parameters = problem.parameters();
         Self {
-            bounds: parameters.internal_bounds(),
+            bounds: problem.bounds(),
             held: std::array::from_fn(|i| parameters.is_fixed(i)),
             damping: FIRST_DAMPING,
             current: NormalEquations::default(),
@@ -252,7 +252,7 @@ const SIMPLEX_ITERATIONS: u64 = 10;
 fn run_nelder_mead(problem: Problem, max_iterations: u64) -> Result<Outcome> {
     let parameters = problem.parameters();
     let start = parameters.internal();
-    let bounds = parameters.internal_bounds();
+    let bounds = problem.bounds();
     let free: Vec<usize> = (0..3).filter(|&i| !parameters.is_fixed(i)).collect();
     let first: Vec<f64> = free.iter().map(|&i| start[i]).collect();
     // A quarter in the logarithms; sigma_a by a quarter of sigma_t, the natural scale at hand.

@@ -16,6 +16,8 @@
 //! | `small-angle` | T (exp(tau F(kz)) - 1) | Wells 1969; Ishimaru 1978, ch. 13 | tau·4B ≤ .05 to 1 % of M |
 //! | `wide-angle` | a mixture of Gaussians from a table | [`wide_angle`] | tau ≤ 12, sigma_a z ≤ 10, spread angle ≤ 60°; of g ≥ .5: tau ≤ 5, sigma_a z ≤ 2 |
 //!
+//! The model `traced` has no kernel: `fit` and `render` trace the scene at hand.
+//!
 //! F is the mean planar transform of the phase function ([`crate::phase`]); in the moment-matched kernels it is
 //! that of a Gaussian lobe, whatever the phase function, and beta² = 3 R / phi.
 
@@ -138,6 +140,8 @@ pub enum Model {
     SmallAngle,
     /// Right at every angle, from a table made by tracing.
     WideAngle,
+    /// Paths traced for the scene at hand: no kernel, and none of [`ALL`](Model::ALL).
+    Traced,
 }
 
 /// What a model has kernels for.
@@ -162,7 +166,7 @@ pub fn small_angle_error(validity: f64) -> String {
 }
 
 impl Model {
-    /// All models, cheapest first.
+    /// All models that have kernels, cheapest first.
     pub const ALL: [Model; 7] = [
         Model::BeerLambert,
         Model::SingleScatter,
@@ -183,6 +187,7 @@ impl Model {
             Model::NarrowBeam => "narrow-beam",
             Model::SmallAngle => "small-angle",
             Model::WideAngle => "wide-angle",
+            Model::Traced => "traced",
         }
     }
 
@@ -193,7 +198,7 @@ impl Model {
 
     /// Whether the kernel rests on small angles, and so ends where tau·4B is large.
     pub fn rests_on_small_angles(self) -> bool {
-        self.spreads() && self != Model::WideAngle
+        self.spreads() && !matches!(self, Model::WideAngle | Model::Traced)
     }
 
     /// The media that there is a kernel for, with phase functions of `family`.
@@ -216,7 +221,8 @@ impl Model {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] unless `z` is finite and above 0, and beyond what the model is [made for](Model::range);
-    /// [`Error::NoSecondMoment`] if the model matches moments and the phase function has none.
+    /// [`Error::NoKernel`] for `traced`; [`Error::NoSecondMoment`] if the model matches moments and the phase function has
+    /// none.
     pub fn kernel<'a>(
         self,
         medium: &Medium,
@@ -238,6 +244,7 @@ impl Model {
             Model::NarrowBeam => matched(Profile::Erfc, Moments::Exact),
             Model::SmallAngle => Ok(Box::new(small_angle::SmallAngle::new(*medium, phase, z))),
             Model::WideAngle => Ok(Box::new(WideAngle::new(table_of(phase.family()), medium, phase, z)?)),
+            Model::Traced => Err(Error::NoKernel),
         }
     }
 }

@@ -5,9 +5,9 @@ mod mixture;
 mod once;
 
 use crate::error::Result;
-use crate::phase::PhaseFunction;
+use crate::phase::{Lobe, PhaseFunction};
 use crate::spread::wide_angle::layout::{Layout, Place, bending};
-use crate::trace::{ScaledMedium, log_spaced, trace_histories};
+use crate::trace::{Likelihood, Turbid, log_spaced, trace_histories};
 use mixture::Laid;
 
 /// Edges of the radius bins, in units of z times the lobe's planar width.
@@ -19,6 +19,26 @@ fn edges() -> Vec<f64> {
 struct Radial {
     light: Vec<f64>,
     slope: Vec<f64>,
+}
+
+impl Radial {
+    /// Adds the light scattered more than once of traced paths, so many with this seed, between `edges` in units of `width`.
+    fn trace(
+        &mut self,
+        tau: f64,
+        absorption: f64,
+        phase: impl Likelihood,
+        (edges, width): (&[f64], f64),
+        (paths, seed): (u64, u64),
+    ) -> Result<()> {
+        let histories = trace_histories(Turbid { sigma_s: tau, sigma_a: absorption, phase }, paths, seed)?;
+        for history in histories.paths.iter().filter(|h| h.scatterings > 1) {
+            let bin = edges.partition_point(|&e| e <= f64::from(history.radius) / width);
+            self.light[bin] += histories.weight;
+            self.slope[bin] += histories.weight * f64::from(history.slope);
+        }
+        Ok(())
+    }
 }
 
 /// Most paths of a node, as a multiple of those asked for.
@@ -35,12 +55,10 @@ pub fn node(layout: &Layout, place: &Place, paths: u64, seed: u64) -> Result<Vec
     let (edges, width) = (edges(), lobe.planar_width());
     let mut radial = once::radial(tau, absorption, &lobe, &edges);
     let effort = (1.0 + tau * angle * angle * absorption / 8.0).min(MOST);
-    let paths = (paths as f64 * effort) as u64;
-    let histories = trace_histories(ScaledMedium { tau, absorption, lobe }, paths, seed)?;
-    for history in histories.paths.iter().filter(|h| h.scatterings > 1) {
-        let bin = edges.partition_point(|&e| e <= f64::from(history.radius) / width);
-        radial.light[bin] += histories.weight;
-        radial.slope[bin] += histories.weight * f64::from(history.slope);
+    let paths = ((paths as f64 * effort) as u64, seed);
+    match lobe {
+        Lobe::Gaussian(phase) => radial.trace(tau, absorption, phase, (&edges, width), paths)?,
+        Lobe::HenyeyGreenstein(phase) => radial.trace(tau, absorption, phase, (&edges, width), paths)?,
     }
     let phi = -(-absorption).exp() * (-tau).exp_m1();
     let (total, rise) = (radial.light.iter().sum::<f64>(), radial.slope.iter().sum::<f64>());

@@ -12,34 +12,23 @@
 //!   first time are copied until they are as many again as set out, and each counts for the share that got there. The
 //!   product of the shares estimates without bias the light that arrives, be it exp(-20).
 
+use super::likelihood::{Likelihood, Turbid};
 use super::path::{Path, free_path};
 use super::rng::Stream;
 use crate::error::{Result, in_range};
-use crate::phase::{Lobe, PhaseFunction};
 use glam::Vec3;
 use rayon::prelude::*;
 
 /// Depths, evenly spaced, at which paths are split; the last is the plane.
 const LEVELS: u64 = 8;
 
-/// A medium in units of the plane's depth.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ScaledMedium {
-    /// Scattering optical depth sigma_s z.
-    pub tau: f64,
-    /// Absorption optical depth sigma_a z.
-    pub absorption: f64,
-    /// Phase function.
-    pub lobe: Lobe,
-}
-
 /// One scattered path at its first crossing of the plane, lengths in units of the plane's depth.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct History {
+pub struct History<M> {
     /// Number of scatterings n, at least 1.
     pub scatterings: u32,
-    /// Sum S of the squared deflections, rad².
-    pub square_angles: f32,
+    /// What it remembers of its deflections.
+    pub memory: M,
     /// Path length L.
     pub length: f32,
     /// Distance r of the crossing from the axis.
@@ -50,45 +39,45 @@ pub struct History {
 
 /// A sample of histories, all of one weight.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Histories {
-    /// The medium they were traced in.
-    pub medium: ScaledMedium,
+pub struct Histories<P: Likelihood> {
+    /// The medium they were traced in, lengths in units of the plane's depth.
+    pub medium: Turbid<P>,
     /// Light that each stands for, as a share of what set out.
     pub weight: f64,
     /// The paths that arrived.
-    pub paths: Vec<History>,
+    pub paths: Vec<History<P::Memory>>,
 }
 
 /// A path between two levels.
 #[derive(Debug, Clone, Copy)]
-struct Walker {
+struct Walker<M> {
     path: Path,
     /// The deepest level or scattering reached.
     reached: f32,
     scatterings: u32,
-    square_angles: f32,
+    memory: M,
 }
 
 /// Traces `paths` scattered paths in `medium`; the same for any number of threads.
 ///
 /// # Errors
-/// [`Error::OutOfRange`](crate::Error::OutOfRange) unless `tau` is finite and above 0, `absorption` finite and at least 0,
-/// and `paths` between 1 and 2^32.
-pub fn trace_histories(medium: ScaledMedium, paths: u64, seed: u64) -> Result<Histories> {
-    let ScaledMedium { tau, absorption, lobe } = medium;
-    in_range("tau", tau, tau.is_finite() && tau > 0.0, "finite and above 0")?;
+/// [`Error::OutOfRange`](crate::Error::OutOfRange) unless sigma_s z is finite and above 0, sigma_a z finite and at least 0, and
+/// `paths` between 1 and 2^32.
+pub fn trace_histories<P: Likelihood>(medium: Turbid<P>, paths: u64, seed: u64) -> Result<Histories<P>> {
+    let Turbid { sigma_s: tau, sigma_a: absorption, phase } = medium;
+    in_range("sigma_s z", tau, tau.is_finite() && tau > 0.0, "finite and above 0")?;
     in_range("sigma_a z", absorption, absorption.is_finite() && absorption >= 0.0, "finite and at least 0")?;
     in_range("paths", paths as f64, (1..=1 << 32).contains(&paths), "between 1 and 2^32")?;
-    let walk = Walk { tau: tau as f32, absorption: absorption as f32, phase: lobe };
+    let walk = Walk { tau: tau as f32, absorption: absorption as f32, phase, record: phase.recorder() };
     let seeds = Stream::key(seed);
     let stream = |stage: u64, i: u64| Stream::new(Stream::key(seeds.wrapping_add(stage)), i);
 
     let mut weight = -(-tau).exp_m1() * (-absorption).exp() / paths as f64;
-    let mut walkers: Vec<Walker> =
+    let mut walkers: Vec<Walker<P::Memory>> =
         (0..paths).into_par_iter().map(|i| walk.first_scattering(&mut stream(0, i))).collect();
     for level in 1..=LEVELS {
         let depth = level as f32 / LEVELS as f32;
-        let arrived: Vec<Walker> = (0..paths)
+        let arrived: Vec<Walker<P::Memory>> = (0..paths)
             .into_par_iter()
             .filter_map(|i| {
                 let survivors = walkers.len() as u64;
@@ -108,27 +97,39 @@ pub fn trace_histories(medium: ScaledMedium, paths: u64, seed: u64) -> Result<Hi
 }
 
 /// The medium as paths need it.
-struct Walk {
+struct Walk<P, R> {
     tau: f32,
     absorption: f32,
-    phase: Lobe,
+    phase: P,
+    record: R,
 }
 
-impl Walk {
+impl<P: Likelihood, R: Fn(f32, &mut P::Memory)> Walk<P, R> {
     /// A path just after its first scattering.
-    fn first_scattering(&self, stream: &mut Stream) -> Walker {
+    fn first_scattering(&self, stream: &mut Stream) -> Walker<P::Memory> {
         // The inverse of (1 - exp(-tau t))/(1 - exp(-tau)).
         let share = stream.uniform_f64() * (-f64::from(self.tau)).exp_m1();
         let depth = (-share.ln_1p() / f64::from(self.tau)) as f32;
         let mut path = Path::new(Vec3::ZERO, Vec3::Z);
         path.advance(depth);
-        let mut walker = Walker { path, reached: depth, scatterings: 0, square_angles: 0.0 };
-        walker.scatter(&self.phase, stream);
+        let mut walker = Walker { path, reached: depth, scatterings: 0, memory: P::Memory::default() };
+        self.scatter(&mut walker, stream);
         walker
     }
 
+    fn scatter(&self, walker: &mut Walker<P::Memory>, stream: &mut Stream) {
+        let angle = walker.path.scatter(&self.phase, stream);
+        walker.scatterings += 1;
+        (self.record)(angle, &mut walker.memory);
+    }
+
     /// Follows a path to its first crossing of `level`; `None` if it leaves through the front surface or is absorbed.
-    fn to_level(&self, mut walker: Walker, level: f32, stream: &mut Stream) -> Option<Walker> {
+    fn to_level(
+        &self,
+        mut walker: Walker<P::Memory>,
+        level: f32,
+        stream: &mut Stream,
+    ) -> Option<Walker<P::Memory>> {
         while walker.reached < level {
             let Path { position, direction, .. } = walker.path;
             let absorbed = self.absorption * (1.0 - direction.z);
@@ -143,26 +144,19 @@ impl Walk {
                 return None;
             } else {
                 walker.path.advance(step);
-                walker.scatter(&self.phase, stream);
+                self.scatter(&mut walker, stream);
             }
         }
         Some(walker)
     }
 }
 
-impl Walker {
-    fn scatter(&mut self, phase: &impl PhaseFunction, stream: &mut Stream) {
-        let angle = self.path.scatter(phase, stream);
-        self.scatterings += 1;
-        self.square_angles += angle * angle;
-    }
-
-    fn history(&self) -> History {
+impl<M: Copy> Walker<M> {
+    fn history(&self) -> History<M> {
         let Path { position, direction, length } = self.path;
         let radius = position.x.hypot(position.y);
         let along = position.x * direction.x + position.y * direction.y;
         let slope = if radius > 0.0 { along / (radius * direction.z) } else { 0.0 };
-        let (scatterings, square_angles) = (self.scatterings, self.square_angles);
-        History { scatterings, square_angles, length, radius, slope }
+        History { scatterings: self.scatterings, memory: self.memory, length, radius, slope }
     }
 }

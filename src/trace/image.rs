@@ -9,17 +9,13 @@
 //! An object of several layers is met where the nearest of them is. A path that passes an edge of one and gets behind
 //! it may meet the next.
 
-use super::OPAQUE;
-use super::meeting::Meeting;
-use super::path::{Path, free_path};
 use super::rng::Stream;
-use super::surface::Surface;
+use super::scene::{Arrival, Tracer};
 use crate::error::{Error, Result, in_range};
 use crate::geometry::{Field, Geometry};
 use crate::image::{Border, Image, View};
 use crate::medium::Medium;
 use crate::phase::PhaseFunction;
-use glam::DVec3;
 use rayon::prelude::*;
 
 /// What to trace. A colour object is traced a channel at a time, each with its own medium.
@@ -55,7 +51,7 @@ pub struct TracedImage {
 }
 
 impl ImageConfig<'_> {
-    fn check(&self) -> Result<()> {
+    pub(super) fn check(&self) -> Result<()> {
         let (g, size) = (self.geometry, (self.geometry.width, self.geometry.height));
         let same = |name: &str, image: &Image| {
             let ok = (image.width, image.height) == size;
@@ -101,161 +97,55 @@ pub fn trace_image<P: PhaseFunction>(
     config.check()?;
     let View { width, height, .. } = config.view;
     let tracer = Tracer::new(config, phase);
+    let key = Stream::key(config.seed);
     let row = |y: usize| -> Vec<[f32; 2]> {
-        let pixels = (0..width).map(|x| tracer.pixel(x, y)).collect();
+        let pixels = (0..width).map(|x| pixel(config, &tracer, key, x, y)).collect();
         progress(width as u64 * u64::from(config.samples));
         pixels
     };
     let pixels: Vec<[f32; 2]> = (0..height).into_par_iter().flat_map_iter(row).collect();
-    if let Some(i) = pixels.iter().position(|p| !(p[0].is_finite() && p[1].is_finite())) {
-        return Err(Error::NotFinite(format!(
-            "traced pixel ({}, {}) is {:?}",
-            i % width,
-            i / width,
-            pixels[i]
-        )));
-    }
+    checked(&pixels, width)?;
     let plane = |c: usize| Image { width, height, data: pixels.iter().map(|p| p[c]).collect() };
     let paths = config.view.pixels() as u64 * u64::from(config.samples);
     Ok(TracedImage { mean: plane(0), variance: plane(1), paths })
 }
 
-/// One layer of the object.
-struct Layer<'a> {
-    surface: Surface,
-    radiance: &'a Image,
-}
-
-impl Layer<'_> {
-    fn light(&self, pixel: usize) -> f64 {
-        f64::from(self.radiance.data[pixel])
+/// Refuses pixels that are not finite, of rows of `width`.
+pub(super) fn checked<const N: usize>(pixels: &[[f32; N]], width: usize) -> Result<()> {
+    match pixels.iter().position(|p| !p.iter().all(|v| v.is_finite())) {
+        None => Ok(()),
+        Some(i) => {
+            Err(Error::NotFinite(format!("traced pixel ({}, {}) is {:?}", i % width, i / width, pixels[i])))
+        }
     }
 }
 
-/// A scene made ready for paths. Their z begins at the nearest point of the medium's surface, so that f32
-/// resolves the medium however far away the camera is.
-struct Tracer<'a, P> {
-    config: &'a ImageConfig<'a>,
-    phase: &'a P,
-    object: Layer<'a>,
-    /// The further layers in which there is anything.
-    behind: Vec<Layer<'a>>,
-    front: Surface,
-    origin: DVec3,
-    /// Depth beyond which no object lies.
-    beyond: f64,
+/// Mean and variance of the mean of pixel (`x`, `y`) of the view.
+fn pixel<P: PhaseFunction>(
+    config: &ImageConfig,
+    tracer: &Tracer<P>,
     key: u64,
-}
-
-impl<'a, P: PhaseFunction> Tracer<'a, P> {
-    fn new(config: &'a ImageConfig<'a>, phase: &'a P) -> Self {
-        let ImageConfig { geometry, radiance, behind, border, .. } = *config;
-        let pixels =
-            || (0..geometry.width * geometry.height).map(|i| (i % geometry.width, i / geometry.width));
-        let layer = |depth, radiance| Layer { surface: Surface::layer(geometry, depth, border), radiance };
-        let object = layer(&geometry.depth, radiance);
-        let behind: Vec<_> = (geometry.behind.iter().zip(behind))
-            .filter(|(depth, _)| pixels().any(|(x, y)| depth.distance(x, y).is_some()))
-            .map(|(depth, radiance)| layer(depth, radiance))
-            .collect();
-        let front = Surface::front(geometry, border);
-        let origin = DVec3::Z * front.depths().0;
-        let farthest = |layer: &Layer| layer.surface.depths().1;
-        let beyond = behind.iter().map(farthest).fold(farthest(&object), f64::max);
-        Self { config, phase, object, behind, front, origin, beyond, key: Stream::key(config.seed) }
+    x: usize,
+    y: usize,
+) -> [f32; 2] {
+    let View { x: left, y: top, width, .. } = config.view;
+    let medium = config.medium;
+    let samples = u64::from(config.samples);
+    let first = (y * width + x) as u64 * samples;
+    let (mut mean, mut deviation) = (0.0, 0.0);
+    for i in 0..samples {
+        let mut stream = Stream::new(key, first + i);
+        let u = (left + x) as f64 + stream.uniform_f64();
+        let v = (top + y) as f64 + stream.uniform_f64();
+        let direct = tracer.direct(u, v);
+        let scattered = tracer.scattered((u, v), direct, &mut stream, |_| ());
+        let unabsorbed = |a: Arrival| (-medium.sigma_a() * a.length).exp() * a.light;
+        let light = direct.map_or(0.0, |d| medium.transmittance(d.length) * d.light)
+            + scattered.share * scattered.arrival.map_or(0.0, unabsorbed);
+        // Welford's update: no cancellation between a sum of squares and a square of the sum.
+        let change = light - mean;
+        mean += change / (i + 1) as f64;
+        deviation += change * (light - mean);
     }
-
-    /// Mean and variance of the mean of pixel (`x`, `y`) of the view.
-    fn pixel(&self, x: usize, y: usize) -> [f32; 2] {
-        let View { x: left, y: top, width, .. } = self.config.view;
-        let samples = u64::from(self.config.samples);
-        let first = (y * width + x) as u64 * samples;
-        let (mut mean, mut deviation) = (0.0, 0.0);
-        for i in 0..samples {
-            let mut stream = Stream::new(self.key, first + i);
-            let u = (left + x) as f64 + stream.uniform_f64();
-            let v = (top + y) as f64 + stream.uniform_f64();
-            // Welford's update: no cancellation between a sum of squares and a square of the sum.
-            let light = self.sample(u, v, &mut stream);
-            let change = light - mean;
-            mean += change / (i + 1) as f64;
-            deviation += change * (light - mean);
-        }
-        [mean as f32, (deviation / (samples * (samples - 1)) as f64) as f32]
-    }
-
-    /// Light through image position (`u`, `v`) px of the object image.
-    fn sample(&self, u: f64, v: f64, stream: &mut Stream) -> f64 {
-        let Geometry { camera, width, height, .. } = *self.config.geometry;
-        let medium = self.config.medium;
-        let Some((surface, _)) = self.front.at(u, v) else { return 0.0 };
-        let (start, direction) = camera.ray(u, v, (width, height));
-        let start = start + direction * ((surface - start.z) / direction.z);
-        let mut path = Path::new((start - self.origin).as_vec3(), direction.as_vec3());
-        let Some((depth, light)) = self.seen(u, v) else {
-            return self.follow(&mut path, stream);
-        };
-        let z = ((depth - surface) / direction.z).max(0.0);
-        let direct = medium.transmittance(z) * light;
-        // Share of the light that is scattered before the object; the first free path is drawn from that share.
-        let share = -(-medium.tau(z)).exp_m1();
-        if share == 0.0 {
-            return direct;
-        }
-        let distance = -(-share * stream.uniform_f64()).ln_1p() / medium.sigma_s();
-        path.advance(distance.min(z) as f32);
-        path.scatter(self.phase, stream);
-        direct + share * self.follow(&mut path, stream)
-    }
-
-    /// Depth and radiance of the nearest layer at image position (`u`, `v`) px. Where a layer repeats the one in front
-    /// of it, the latter counts.
-    fn seen(&self, u: f64, v: f64) -> Option<(f64, f64)> {
-        let there = |layer: &Layer| {
-            let (depth, pixel) = layer.surface.at(u, v)?;
-            Some((depth, layer.light(pixel)))
-        };
-        [&self.object].into_iter().chain(&self.behind).filter_map(there).min_by(|a, b| a.0.total_cmp(&b.0))
-    }
-
-    /// Where the segment from `p` in direction `d` first meets a layer within `length`, and which.
-    #[inline]
-    fn meet(&self, p: DVec3, d: DVec3, length: f64) -> Option<(Meeting, &Layer<'a>)> {
-        let mut first = self.object.surface.meet(p, d, length).map(|meeting| (meeting, &self.object));
-        for layer in &self.behind {
-            if let Some(meeting) = layer.surface.meet(p, d, length)
-                && first.is_none_or(|(nearest, _)| meeting.distance < nearest.distance)
-            {
-                first = Some((meeting, layer));
-            }
-        }
-        first
-    }
-
-    /// Light that a path picks up from where it is: none if it is lost.
-    fn follow(&self, path: &mut Path, stream: &mut Stream) -> f64 {
-        let sigma_s = self.config.medium.sigma_s() as f32;
-        let sigma_a = self.config.medium.sigma_a();
-        if sigma_s == 0.0 {
-            return 0.0;
-        }
-        loop {
-            let step = free_path(sigma_s, stream);
-            let (p, d) = (path.position.as_dvec3() + self.origin, path.direction.as_dvec3());
-            if let Some((Meeting { distance, pixel }, layer)) = self.meet(p, d, f64::from(step)) {
-                let Some(pixel) = pixel else { return 0.0 };
-                if self.front.is_left(p, d, distance) {
-                    return 0.0;
-                }
-                let length = f64::from(path.length) + distance;
-                return (-sigma_a * length).exp() * layer.light(pixel);
-            }
-            path.advance(step);
-            let gone = f64::from(path.position.z) + self.origin.z > self.beyond;
-            if gone || sigma_a as f32 * path.length > OPAQUE || self.front.is_left(p, d, f64::from(step)) {
-                return 0.0;
-            }
-            path.scatter(self.phase, stream);
-        }
-    }
+    [mean as f32, (deviation / (samples * (samples - 1)) as f64) as f32]
 }

@@ -8,14 +8,16 @@
 //! A path that leaves through the medium's front surface is lost, and the object's first crossing ends it.
 //!
 //! [`trace_radial`] tallies where a pencil beam crosses planes at many depths; [`trace_image`] makes the image
-//! of a scene with its variance; [`trace_histories`] keeps of every path what its likelihood depends on. All give the
-//! same numbers, bit for bit, for any number of threads.
+//! of a scene with its variance; [`trace_histories`] and [`Hits`] keep of every path what its likelihood depends on, and
+//! make both anew for neighbouring media. All give the same numbers, bit for bit, for any number of threads.
 //! This module uses nothing of the kernels, the filter or the fit, so that agreement with them means something.
 //!
 //! Not modelled: refraction at the surface, light scattered in from the illumination, light between objects.
 
 mod histories;
+mod hits;
 mod image;
+mod likelihood;
 mod march;
 mod meeting;
 mod patches;
@@ -23,12 +25,16 @@ mod path;
 mod radial;
 mod reweight;
 mod rng;
+mod scene;
 mod surface;
 mod tally;
 
-pub use histories::{Histories, History, ScaledMedium, trace_histories};
+pub use histories::{Histories, History, trace_histories};
+pub use hits::{BATCHES, Hits};
 pub use image::{ImageConfig, TracedImage, trace_image};
+pub use likelihood::{Change, Effective, Information, Likelihood, Reweighting, Turbid, Weight};
 pub use path::{Path, free_path};
+pub(crate) use radial::annulus_mean;
 pub use radial::{RadialConfig, RadialProfile, log_spaced, trace_radial};
 pub use reweight::Reweighted;
 pub use rng::Stream;

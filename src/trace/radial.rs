@@ -265,7 +265,7 @@ impl RadialProfile {
 }
 
 /// Mean of J0(k r) over the annulus between two radii.
-fn annulus_mean(k: f64, inner: f64, outer: f64) -> f64 {
+pub(crate) fn annulus_mean(k: f64, inner: f64, outer: f64) -> f64 {
     if k == 0.0 {
         return 1.0;
     }

@@ -37,7 +37,7 @@ pub(super) fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warn
         warn("kernel_cut", format!("{CUT}{suffix}"));
     }
     if !fit.settled {
-        let message = "the noise of the scenes or the depth slices of the render did not settle";
+        let message = "the noise of the scenes, the depth slices of the render or the medium of the traced paths did not settle";
         warn("not_settled", format!("{message}{suffix}"));
     }
     if fit.hidden_pixels > fit.pixels {

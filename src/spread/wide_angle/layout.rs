@@ -50,8 +50,8 @@ static GAUSSIAN: Layout = Layout {
     counts: [11, 8, 11],
     ends: (0.5_f64.to_radians(), 60.0_f64.to_radians()),
     served: [
-        (12.0, "between 0 and 12, where the table of model wide-angle ends (narrowbeam trace has no end)"),
-        (10.0, "between 0 and 10, where the table of model wide-angle ends (narrowbeam trace has no end)"),
+        (12.0, "between 0 and 12, where the table of model wide-angle ends (--model traced has no end)"),
+        (10.0, "between 0 and 10, where the table of model wide-angle ends (--model traced has no end)"),
     ],
 };
 
@@ -67,11 +67,11 @@ static HENYEY_GREENSTEIN: Layout = Layout {
     served: [
         (
             5.0,
-            "between 0 and 5, where model wide-angle ends for Henyey-Greenstein's lobe (narrowbeam trace has no end)",
+            "between 0 and 5, where model wide-angle ends for Henyey-Greenstein's lobe (--model traced has no end)",
         ),
         (
             2.0,
-            "between 0 and 2, where model wide-angle ends for Henyey-Greenstein's lobe (narrowbeam trace has no end)",
+            "between 0 and 2, where model wide-angle ends for Henyey-Greenstein's lobe (--model traced has no end)",
         ),
     ],
 };
@@ -167,12 +167,12 @@ impl Layout {
         match self.family {
             Family::Gaussian => {
                 let (degrees, widest) = ((4.0 * shape).sqrt().to_degrees(), self.ends.1.to_degrees());
-                let allowed = "at most 60 degrees, where the table of model wide-angle ends (narrowbeam trace has no end)";
+                let allowed = "at most 60 degrees, where the table of model wide-angle ends (--model traced has no end)";
                 in_range("spread angle", degrees, degrees <= widest * (1.0 + 1e-12), allowed)?;
             }
             Family::HenyeyGreenstein => {
                 let allowed =
-                    "at least .5, where the table of model wide-angle ends (narrowbeam trace has no end)";
+                    "at least .5, where the table of model wide-angle ends (--model traced has no end)";
                 in_range("g", shape, shape >= self.family.shape(self.ends.1) * (1.0 - 1e-12), allowed)?;
             }
         }

@@ -1,0 +1,229 @@
+//! The likelihood of a path under other media: what it must remember, and what follows from that.
+//!
+//! The likelihood of a path with n scatterings by the angles theta_i and the length L is
+//! sigma_s^n exp(-(sigma_s + sigma_a) L) prod p(theta_i) times what no parameter moves. So the ratio of two media's needs
+//! n, L and the change of sum ln p(theta_i), which is linear in what a path remembers of its deflections:
+//!
+//! - *Gaussian*, p = N(B) exp(-theta²/4B): the sum S of theta_i² is enough for every B.
+//! - *Henyey-Greenstein* is no exponential family. A path remembers the change of its log-density at a few nodes of
+//!   ln(1 - g) around its own, and is interpolated between them.
+
+use crate::chebyshev::Chebyshev;
+use crate::error::Result;
+use crate::phase::{Gaussian, HenyeyGreenstein, PhaseFunction};
+use std::fmt::Debug;
+
+/// A homogeneous medium with its lobe, in any unit of length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Turbid<P> {
+    /// Scattering coefficient, 1/length.
+    pub sigma_s: f64,
+    /// Absorption coefficient, 1/length.
+    pub sigma_a: f64,
+    /// The phase function.
+    pub phase: P,
+}
+
+/// A phase function whose paths can be reweighted to others of its family.
+pub trait Likelihood: PhaseFunction + Copy + PartialEq {
+    /// What a path remembers of its deflections, an array of f32.
+    type Memory: AsRef<[f32]> + AsMut<[f32]> + Default + Copy + PartialEq + Debug + Send + Sync;
+
+    /// This family's lobe of another shape, B (rad²) or g.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) if there is none.
+    fn of_shape(shape: f64) -> Result<Self>;
+
+    /// How far ln B or ln(1 - g) of another lobe may lie from that of this one for its paths' memory to serve it.
+    const FARTHEST: f64;
+
+    /// What reckons a deflection into a path's memory.
+    fn recorder(&self) -> impl Fn(f32, &mut Self::Memory) + Send + Sync;
+
+    /// The change of a path's log-density from this lobe to another, no farther than [`FARTHEST`](Self::FARTHEST).
+    fn change(&self, to: &Self) -> Change;
+}
+
+/// A change of log-density that is linear in n and in what a path remembers: for each the coefficient, and its derivative
+/// in the shape of the lobe that it leads to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Change {
+    per_scattering: [f64; 2],
+    per_memory: Vec<[f64; 2]>,
+}
+
+impl Likelihood for Gaussian {
+    type Memory = [f32; 1];
+    const FARTHEST: f64 = f64::INFINITY;
+
+    fn of_shape(shape: f64) -> Result<Self> {
+        Gaussian::new(shape)
+    }
+
+    fn recorder(&self) -> impl Fn(f32, &mut Self::Memory) + Send + Sync {
+        |angle, memory| memory[0] += angle * angle
+    }
+
+    fn change(&self, to: &Self) -> Change {
+        let b = to.b();
+        Change {
+            per_scattering: [(to.eval(1.0) / self.eval(1.0)).ln(), -0.25 * to.mean_square_angle() / (b * b)],
+            per_memory: vec![[0.25 / self.b() - 0.25 / b, 0.25 / (b * b)]],
+        }
+    }
+}
+
+/// Nodes of ln(1 - g) that a path remembers, and how far the outermost lie from its own. ln p has its singularities pi/2 off
+/// the real axis of ln(1 - g), so five nodes leave 1e-4 a scattering.
+const NODES: usize = 5;
+const HALF_WIDTH: f64 = 0.5;
+/// Largest ln(1 - g) of a node: g stays above 0.
+const MOST: f64 = -1e-3;
+
+impl HenyeyGreenstein {
+    fn nodes(&self) -> Chebyshev {
+        let own = (1.0 - self.mean_cosine()).ln();
+        Chebyshev::new(NODES, own - HALF_WIDTH, (own + HALF_WIDTH).min(MOST.max(own)))
+    }
+}
+
+/// ln p of Henyey and Greenstein's lobe of mean cosine `g` at 1 - cos theta = `m`.
+fn log_density(g: f64, m: f64) -> f64 {
+    (1.0 - g * g).ln() - 1.5 * ((1.0 - g) * (1.0 - g) + 2.0 * g * m).ln()
+}
+
+impl Likelihood for HenyeyGreenstein {
+    type Memory = [f32; NODES];
+    const FARTHEST: f64 = HALF_WIDTH;
+
+    fn of_shape(shape: f64) -> Result<Self> {
+        HenyeyGreenstein::new(shape)
+    }
+
+    fn recorder(&self) -> impl Fn(f32, &mut Self::Memory) + Send + Sync {
+        let own = self.mean_cosine();
+        let nodes: [f64; NODES] = std::array::from_fn(|i| -self.nodes().x[i].exp_m1());
+        move |angle, memory| {
+            let m = 2.0 * (0.5 * f64::from(angle)).sin().powi(2);
+            let here = log_density(own, m);
+            memory.iter_mut().zip(nodes).for_each(|(sum, g)| *sum += (log_density(g, m) - here) as f32);
+        }
+    }
+
+    fn change(&self, to: &Self) -> Change {
+        let (nodes, x) = (self.nodes(), (1.0 - to.mean_cosine()).ln());
+        let rate = -1.0 / (1.0 - to.mean_cosine());
+        let weights = nodes.basis(x).into_iter().zip(nodes.basis_slope(x));
+        Change { per_scattering: [0.0; 2], per_memory: weights.map(|(w, slope)| [w, slope * rate]).collect() }
+    }
+}
+
+/// From a path of one medium to its weight in another.
+#[derive(Debug, Clone)]
+pub struct Reweighting {
+    lobe: Change,
+    per_scattering: f64,
+    per_length: f64,
+    sigma_s: f64,
+}
+
+/// A path's weight in the other medium, and the derivatives of its logarithm in sigma_s, sigma_a and the lobe's shape.
+#[derive(Debug, Clone, Copy)]
+pub struct Weight {
+    /// Ratio of the likelihoods.
+    pub ratio: f64,
+    /// d ln ratio.
+    pub slopes: [f64; 3],
+}
+
+impl Reweighting {
+    /// From the medium that the paths were traced in to another, its lobe no farther than
+    /// [`FARTHEST`](Likelihood::FARTHEST).
+    pub fn new<P: Likelihood>(from: &Turbid<P>, to: &Turbid<P>) -> Self {
+        let lobe = from.phase.change(&to.phase);
+        Self {
+            per_scattering: (to.sigma_s / from.sigma_s).ln() + lobe.per_scattering[0],
+            per_length: from.sigma_s + from.sigma_a - to.sigma_s - to.sigma_a,
+            sigma_s: to.sigma_s,
+            lobe,
+        }
+    }
+
+    /// The weight of a path of so many `scatterings` and this `length`.
+    #[inline]
+    pub fn of(&self, scatterings: u32, length: f32, memory: &[f32]) -> Weight {
+        let (n, length) = (f64::from(scatterings), f64::from(length));
+        let mut exponent = n * self.per_scattering + length * self.per_length;
+        let mut shape = n * self.lobe.per_scattering[1];
+        for (memory, [value, slope]) in memory.iter().zip(&self.lobe.per_memory) {
+            exponent += f64::from(*memory) * value;
+            shape += f64::from(*memory) * slope;
+        }
+        Weight { ratio: exponent.exp(), slopes: [n / self.sigma_s - length, -length, shape] }
+    }
+}
+
+/// How well paths of one medium serve another: the share of them, of equal weight, that would know the light as well.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Effective {
+    light: f64,
+    weighted: f64,
+    squared: f64,
+}
+
+impl Effective {
+    /// Counts a path that carries `light` in its own medium.
+    pub fn add(&mut self, light: f64, ratio: f64) {
+        self.light += light;
+        self.weighted += light * ratio;
+        self.squared += light * ratio * ratio;
+    }
+
+    /// Both samples together.
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            light: self.light + other.light,
+            weighted: self.weighted + other.weighted,
+            squared: self.squared + other.squared,
+        }
+    }
+
+    /// (sum w)²/(N sum w²): 1 in the paths' own medium. Trace afresh where it is small.
+    pub fn share(&self) -> f64 {
+        self.weighted * self.weighted / (self.light * self.squared).max(f64::MIN_POSITIVE)
+    }
+}
+
+/// Variance of the [`slopes`](Weight::slopes) over paths: what a path knows of the medium (Fisher's information).
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Information {
+    light: f64,
+    sums: [[f64; 2]; 3],
+}
+
+impl Information {
+    /// Counts a path that carries `light`.
+    pub fn add(&mut self, light: f64, slopes: [f64; 3]) {
+        self.light += light;
+        for (sums, slope) in self.sums.iter_mut().zip(slopes) {
+            sums[0] += light * slope;
+            sums[1] += light * slope * slope;
+        }
+    }
+
+    /// Both samples together.
+    pub fn and(mut self, other: Self) -> Self {
+        self.light += other.light;
+        for (mine, theirs) in self.sums.iter_mut().flatten().zip(other.sums.iter().flatten()) {
+            *mine += theirs;
+        }
+        self
+    }
+
+    /// Of one path, in sigma_s, sigma_a and the shape.
+    pub fn of_a_path(&self) -> [f64; 3] {
+        let light = self.light.max(f64::MIN_POSITIVE);
+        self.sums.map(|[sum, squares]| (squares / light - (sum / light).powi(2)).max(0.0))
+    }
+}
