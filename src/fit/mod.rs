@@ -214,7 +214,8 @@ pub fn fit_channel(data: &[Datum], options: &FitOptions, settings: &Settings) ->
     let observed = data.iter().map(Observed::new).collect::<Result<Vec<_>>>()?;
     if settings.model == Model::Traced {
         let pilot = fit_channel(data, options, &Settings { model: traced::PILOT, ..*settings })?;
-        let start = pilot.parameters.values().map(Some);
+        let found = pilot.parameters.values();
+        let start = std::array::from_fn(|i| options.start[i].or(Some(found[i])));
         return fit_from((data, observed), &FitOptions { start, ..*options }, settings, (None, None));
     }
     let sums = settings.sums.then(|| Sums::of_all(&observed)).flatten();

@@ -202,11 +202,11 @@ impl<'a> Observed<'a> {
     /// Standard deviation of a pixel's noise, from the fine structure of the residual observation - render (already
     /// exposed and veiled): the Laplacian of white noise has 20 times its variance, while a misfit, being blurred as
     /// the object's light is, has little there. So a misfit shows in chi² and does not pass for noise. Of two `renders` the noise that is not in both
-    /// has no part.
+    /// has no part but for the error of this estimate, twice which is its least value.
     pub(super) fn fine_noise(&self, renders: [&Image; 2]) -> f64 {
         let (observed, width) = (self.datum.observed, self.datum.observed.width);
         let residual = |r: usize, i: usize| f64::from(observed.data[i]) - f64::from(renders[r].data[i]);
-        let (mut sum, mut number) = (0.0, 0);
+        let (mut sum, mut apart, mut number) = (0.0, 0.0, 0);
         for y in 1..observed.height.saturating_sub(1) {
             for i in y * width + 1..(y + 1) * width - 1 {
                 let around = [i - 1, i + 1, i - width, i + width];
@@ -214,6 +214,7 @@ impl<'a> Observed<'a> {
                     let laplacian =
                         |r: usize| 4.0 * residual(r, i) - around.iter().map(|&n| residual(r, n)).sum::<f64>();
                     sum += laplacian(0) * laplacian(1);
+                    apart += 0.5 * (laplacian(0) - laplacian(1)).powi(2);
                     number += 1;
                 }
             }
@@ -221,7 +222,9 @@ impl<'a> Observed<'a> {
         let square = |p: &Counted| residual(0, p.index as usize) * residual(1, p.index as usize);
         let all = self.pixels.iter().map(square).sum::<f64>();
         let variance = if number >= FEWEST_LAPLACIANS {
-            sum / f64::from(20 * number)
+            // Neighbouring Laplacians share pixels: as if half of them were independent.
+            let error = apart * (2.0 / f64::from(number)).sqrt();
+            sum.max(2.0 * error) / f64::from(20 * number)
         } else {
             all / self.pixels() as f64
         };

@@ -178,9 +178,14 @@ impl<'a> Traced<'a> {
         with_optics(parameters, Model::Traced, |optics| self.paths.effective_share(optics))
     }
 
-    /// Whether that is all but all.
+    /// Whether that is all but all, and no step was cut short for lack of trust.
     pub(super) fn is_fresh(&self, parameters: &Parameters) -> Result<bool> {
-        Ok(self.effective_share(parameters)? >= FRESH)
+        let inside = |(u, [low, high]): (f64, Bounds)| {
+            let margin = 1e-6 * (high - low);
+            margin.is_infinite() || (low + margin..high - margin).contains(&u)
+        };
+        let whole = parameters.internal().into_iter().zip(self.trust).all(inside);
+        Ok(whole && self.effective_share(parameters)? >= FRESH)
     }
 
     /// Paths traced.
