@@ -127,7 +127,7 @@ impl Scene {
                 (evaluating, filter.slice_count(), [one as f64 * floor, four as f64 * floor])
             }
             Prepared::Gpu(filter) => {
-                let observation = filter.observe(self.radiance.data.iter().map(|&v| (v, true))).unwrap();
+                let observation = filter.observe(self.radiance.data.iter().map(|&v| (v, 1.0))).unwrap();
                 let evaluate = || filter.products(&optics, &observation, [1.0, 0.0], true).unwrap();
                 let evaluating = median(|| _ = evaluate());
                 let (one, four) = filter.traffic();

@@ -1,6 +1,6 @@
 //! Compares synthesized scenes with what Mitsuba traced there (`scripts/tub_mitsuba.py --witness`), part by part, prints
 //! a table of the errors and draws where they are:
-//! `cargo run --release --example synthesis_check -- docs/synthesis_error.png FOLDER…`
+//! `cargo run --release --example synthesis_check -- MODEL docs/synthesis_error.png FOLDER…`
 
 use narrowbeam::filter::{Backend, Filter};
 use narrowbeam::geometry::{EDGE_PITCHES, Geometry};
@@ -19,9 +19,10 @@ const FULL_COLOUR: f64 = 0.5;
 
 fn main() -> anyhow::Result<()> {
     let mut arguments = std::env::args_os().skip(1).map(PathBuf::from);
-    let Some(picture) = arguments.next() else {
-        anyhow::bail!("usage: synthesis_check PICTURE.png FOLDER…");
+    let (Some(model), Some(picture)) = (arguments.next(), arguments.next()) else {
+        anyhow::bail!("usage: synthesis_check MODEL PICTURE.png FOLDER…");
     };
+    let model: Model = model.to_string_lossy().parse()?;
     println!(
         "| scene | channel | part | share of the light | mean | rms | rms near edges | elsewhere | rms by eq29 |"
     );
@@ -31,7 +32,7 @@ fn main() -> anyhow::Result<()> {
         let name = folder.file_name().unwrap_or(folder.as_os_str()).display().to_string();
         let scene = Scene::read(&folder.join("scene.toml"), Purpose::Synthesize)?;
         let media = scene.medium_values(PartialMedium::default())?;
-        let made = |filter| synthesize(&scene, &media, Model::SmallAngle, filter, Backend::Cpu);
+        let made = |filter| synthesize(&scene, &media, model, filter, Backend::Cpu);
         let start = Instant::now();
         let eq29 = made(Filter::Eq29)?;
         let middle = Instant::now();

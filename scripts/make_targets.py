@@ -1,5 +1,7 @@
 """Make the object images and depth maps of the bundled datasets, the same bytes on every run.
 
+Also the bright square of tests/witness/squares.
+
     python scripts/make_targets.py
 
 Each set has a random stream of its own. Radiances are linear, in (0, 1.5], about .5 on average;
@@ -15,7 +17,9 @@ import numpy as np
 from exr_io import write_exr
 from textures import checker, dead_leaves, natural_checker, power_noise
 
-DATASETS = Path(__file__).resolve().parent.parent / "datasets"
+ROOT = Path(__file__).resolve().parent.parent
+DATASETS = ROOT / "datasets"
+SQUARE = ROOT / "tests" / "witness" / "squares" / "object.exr"
 SIZE_PX = 128
 WIDE_PX = 64
 
@@ -47,6 +51,14 @@ def natural(rng):
     return np.clip(0.5 + 0.28 * power_noise(rng, 1, SIZE_PX), 0.02, 1.2)
 
 
+def bright_square(size_px=48, side_px=8):
+    """Return a square of radiance 1 in the middle of black."""
+    image = np.zeros((size_px, size_px))
+    middle = slice((size_px - side_px) // 2, (size_px + side_px) // 2)
+    image[middle, middle] = 1
+    return image
+
+
 # name: (seed, radiance, depth plane or None)
 TARGETS = {
     "mitsuba-checker": (11, shaded_checker, None),
@@ -65,6 +77,7 @@ TARGETS = {
 
 def main():
     mi.set_variant("scalar_rgb")
+    write_exr(SQUARE, {"Y": bright_square()})
     for name, (seed, radiance, plane) in TARGETS.items():
         folder = DATASETS / name
         write_exr(folder / "object.exr", {"Y": radiance(np.random.default_rng(seed))})

@@ -3,12 +3,16 @@
     python scripts/peer_mitsuba.py datasets/NAME --output trajectory.csv
 
 prbvolpath renders and differentiates, Adam descends in (ln sigma_s, ln sigma_a, ln sigma_s B). The scene is
-that of observe_mitsuba.py. Each line of the CSV file is one iteration: seconds since the first began (with
-Mitsuba's compilation, without its import), the medium, the loss. The truth is read only to place the start.
+that of observe_mitsuba.py. The CSV file begins with lines that say how it came about; then, an iteration a line,
+seconds since the first began (with Mitsuba's compilation, without its import), seconds of all cores together that the
+process had by then, the medium, the loss. The truth is read only to place the start.
 """
 
 import argparse
 import csv
+import os
+import platform
+import shlex
 import sys
 import time
 from pathlib import Path
@@ -62,14 +66,14 @@ class Medium3:
 
 
 def descend(scene, observed, start, truth_b, arguments):
-    """Yield seconds, sigma_s, sigma_a, B and loss of every iteration."""
+    """Yield seconds, seconds of all cores, sigma_s, sigma_a, B and loss of every iteration."""
     channel = next(iter(scene.radiance))
     world = mitsuba_scene(scene, channel, Medium(start.sigma_s, start.sigma_a, min(start.b, truth_b)), arguments.behind)
     integrator = mi.load_dict({"type": "prbvolpath", "max_depth": -1, "rr_depth": 2**31 - 1})
     medium = Medium3(world, start, scene.deepest)
     target = mi.TensorXf(np.ascontiguousarray(observed[..., None], dtype=np.float32))
     scale = float(np.mean(observed**2))
-    begin = time.perf_counter()
+    begin, begin_cpu = time.perf_counter(), time.process_time()
     for i in range(arguments.iterations):
         medium.optimiser.set_learning_rate(STEPS[0] * (STEPS[1] / STEPS[0]) ** (i / arguments.iterations))
         medium.apply()
@@ -78,8 +82,28 @@ def descend(scene, observed, start, truth_b, arguments):
         dr.backward(loss)
         medium.optimiser.step()
         values = [float(v[0]) for v in medium.values()]
-        yield time.perf_counter() - begin, *values, float(loss.array[0])
+        loss = float(loss.array[0])
+        yield time.perf_counter() - begin, time.process_time() - begin_cpu, *values, loss
         print(f"{i + 1} of {arguments.iterations}: " + " ".join(f"{v:.5g}" for v in values), file=sys.stderr, flush=True)
+
+
+def processor():
+    """Return the name of the processor, as far as the system tells."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return platform.processor() or platform.machine()
+    return next((line.partition(": ")[2] for line in lines if line.startswith("model name")), platform.machine())
+
+
+def record(variant):
+    """Return what a reader must know to make the trajectory again."""
+    return [
+        "command: " + shlex.join(["python", *sys.argv]),
+        f"program: Mitsuba {mi.__version__}, prbvolpath, {variant}; Dr.Jit {dr.__version__}",
+        f"machine: {os.cpu_count()} cores, {processor()}",
+        "start: sigma_s, sigma_a, b of the truth times " + ", ".join(f"{f:g}" for f in START),
+    ]
 
 
 def main():
@@ -93,7 +117,7 @@ def main():
     add("--variant", help="Mitsuba variant, one that differentiates (llvm_ad_mono)")
     arguments = parser.parse_args()
     try:
-        set_variant(arguments.variant or "llvm_ad_mono")
+        variant = set_variant(arguments.variant or "llvm_ad_mono")
         scene = read_scene(arguments.dataset / "scene.toml")
         truth = read_media(arguments.dataset / "truth.toml", scene.radiance)[0]
         if truth.g is not None:
@@ -106,7 +130,8 @@ def main():
     rows = list(descend(scene, observed, start, truth.b, arguments))
     with arguments.output.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
-        table.writerow(["seconds", "sigma_s", "sigma_a", "b", "loss"])
+        file.writelines(f"# {line}\n" for line in record(variant))
+        table.writerow(["seconds", "cpu_seconds", "sigma_s", "sigma_a", "b", "loss"])
         table.writerows([f"{v:.6g}" for v in row] for row in rows)
 
 

@@ -1,4 +1,4 @@
-// Sums over the pixels that count of the products of six images: the render, its derivatives in sigma_s, sigma_a and B,
+// Weighted sums over the pixels of the products of six images: the render, its derivatives in sigma_s, sigma_a and B,
 // the residual at a reference exposure, and 1. Each workgroup leaves the 21 products of its pixels, in two floats each.
 
 struct Sums {
@@ -19,7 +19,7 @@ const PRODUCTS: u32 = 21u;
 @group(0) @binding(0) var<uniform> sums: Sums;
 // Image and derivatives, one after the other.
 @group(0) @binding(1) var<storage, read> planes: array<f32>;
-// The observation, and 1 where it counts.
+// The observation, and its weight.
 @group(0) @binding(2) var<storage, read> observed: array<vec2f>;
 @group(0) @binding(3) var<storage, read_write> partial: array<vec2f>;
 
@@ -45,7 +45,7 @@ fn main(
         var product = 0u;
         for (var i = 0u; i < 6u; i++) {
             for (var j = 0u; j <= i; j++) {
-                mine[product] = plus(mine[product], all[i] * all[j], sums.zero);
+                mine[product] = plus(mine[product], here.y * all[i] * all[j], sums.zero);
                 product++;
             }
         }

@@ -12,6 +12,7 @@ mod medium;
 mod observation;
 mod read;
 mod source;
+mod variance;
 
 pub use medium::read_truth;
 
@@ -141,8 +142,8 @@ pub struct Observation {
     /// Observed radiance, the same channels as the object's; finite (pixels that the mask excludes and that are
     /// not are set to 0).
     pub image: Vec<Channel>,
-    /// Standard deviation of the noise of a pixel, if known; above 0.
-    pub noise: Option<f64>,
+    /// The noise of a pixel, if known.
+    pub noise: Option<Noise>,
     /// Pixels above 0 count; absent: all do.
     pub mask: Option<Image>,
     /// Exposure.
@@ -154,6 +155,15 @@ pub struct Observation {
     /// Largest hidden share of a pixel that counts: the share of its light that may come from behind nearer surfaces,
     /// from where no layer shows anything. Above 0, at most 1.
     pub hidden_share_max: f64,
+}
+
+/// The noise of an observation.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Noise {
+    /// One standard deviation for all pixels, above 0.
+    Level(f64),
+    /// The variance of each pixel, the same channels as the observation's; above 0 where the mask does not exclude it.
+    Variance(Vec<Channel>),
 }
 
 /// Exposure: observed = gain · (light from the object) + veil.

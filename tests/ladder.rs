@@ -13,7 +13,7 @@ use narrowbeam::geometry::Geometry;
 use narrowbeam::image::{Border, Channel, Image, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Gaussian, b_of_spread_angle};
-use narrowbeam::scene::{FitOptions, Gain, Observation, PartialMedium, Scene, Veil};
+use narrowbeam::scene::{FitOptions, Gain, Noise, Observation, PartialMedium, Scene, Veil};
 use narrowbeam::spread::Model;
 use std::path::PathBuf;
 
@@ -70,7 +70,7 @@ impl Regime {
             observation: Some(Observation {
                 path: PathBuf::from("observed"),
                 image: gray(image),
-                noise: Some(self.noise),
+                noise: Some(Noise::Level(self.noise)),
                 mask: None,
                 gain: Gain::Fixed(1.0),
                 veil: Veil::Fixed(0.0),
@@ -183,15 +183,12 @@ fn the_stated_error_of_a_model_is_the_error_that_it_makes() {
                 assert_eq!((model, tau), (Model::NarrowBeam, 3.0));
                 continue;
             };
-            for i in 0..3 {
+            for (i, name) in NAMES.into_iter().enumerate() {
                 let (value, truth) = (fit.parameters.values()[i], regime.truth()[i]);
                 let made = if i == 1 { value - truth } else { (value / truth).ln() };
                 let said = error.bias_of(&Vector3::ith(i, 1.0));
                 let noise = 4.0 * fit.uncertainty.std_error(i).unwrap();
-                println!(
-                    "{model} tau {tau} {spread_angle_deg} deg, {}: made {made:.5}, said {said:.5}",
-                    NAMES[i]
-                );
+                println!("{model} tau {tau} {spread_angle_deg} deg, {name}: made {made:.5}, said {said:.5}");
                 let share = if i == 1 { made.abs() / truth } else { made.abs() };
                 assert!(share > 0.1 || (made - said).abs() <= 0.25 * made.abs() + noise);
             }

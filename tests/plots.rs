@@ -3,7 +3,9 @@
 
 use narrowbeam::image::{Channel, Image};
 use narrowbeam::io::colour::{Tone, residual_scale};
-use narrowbeam::plots::{Axis, Figure, LineChart, Panel, Series, Shade, Spread};
+use narrowbeam::plots::{
+    Axis, ChartGrid, Figure, LineChart, Mark, Panel, Series, Shade, Shape, Sign, Spread,
+};
 use std::path::PathBuf;
 
 fn folder() -> (Option<tempfile::TempDir>, PathBuf) {
@@ -74,6 +76,30 @@ fn linear_axes_and_bands_are_drawn() {
     };
     chart.write_png(&dir.join("mtf.png")).unwrap();
     assert_eq!(image::open(dir.join("mtf.png")).unwrap().width(), 1200);
+}
+
+#[test]
+fn signs_have_the_colour_of_their_place_and_a_nameless_series_no_legend() {
+    let (_keep, dir) = folder();
+    let sign = |shape, filled, place, x: f64| Series {
+        mark: Mark::Signs(Sign { shape, filled }, place),
+        ..Series::line("", vec![(x, 1.0), (2.0 * x, 3.0)])
+    };
+    let level =
+        Series { mark: Mark::Thin { dashed: true }, ..Series::line("level", vec![(1.0, 2.0), (20.0, 2.0)]) };
+    let mut series = vec![level];
+    for (i, shape) in [Shape::Round, Shape::Triangle, Shape::Diamond].into_iter().enumerate() {
+        series.push(sign(shape, true, Some(8), 1.0 + i as f64));
+        series.push(sign(shape, false, None, 5.0 + i as f64));
+    }
+    let chart = LineChart { title: "Signs".into(), x: axis("x", true), y: axis("y", true), series };
+    let grid = ChartGrid { title: "Signs".into(), rows: vec![vec![chart.clone(), chart]] };
+    grid.write_png(&dir.join("signs.png")).unwrap();
+    let picture = image::open(dir.join("signs.png")).unwrap().into_rgb8();
+    let violet = picture.enumerate_pixels().filter(|(.., p)| p.0 == [112, 48, 160]).map(|(_, y, _)| y);
+    let rows: Vec<u32> = violet.collect();
+    // Two panels of six filled signs of some 80 px; above the panels, in the legend, none.
+    assert!(rows.len() > 500 && rows.iter().all(|&y| y > 90), "{}", rows.len());
 }
 
 #[test]

@@ -4,7 +4,7 @@ mod common;
 
 use common::{sloping, texture, with_noise};
 use narrowbeam::filter::{Optics, Target, per_depth};
-use narrowbeam::fit::{ChannelFit, Datum, Method, Settings, Status, VeilTerm, fit_channel};
+use narrowbeam::fit::{ChannelFit, Datum, Method, NoiseTerm, Settings, Status, VeilTerm, fit_channel};
 use narrowbeam::geometry::Geometry;
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
@@ -143,7 +143,7 @@ fn intervals_hold_the_truth_at_the_stated_rate() {
     let mut made = made(Geometry::planar(48, 48, 0.03, 2.0).unwrap(), Model::SmallAngle, truth);
     let clean = made.observed.clone();
     const SEEDS: u64 = 200;
-    for given in [Some(noise), None] {
+    for given in [Some(NoiseTerm::Level(noise)), None] {
         let mut inside = [0; 3];
         let mut chi2 = 0.0;
         for seed in 0..SEEDS {

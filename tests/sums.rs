@@ -7,7 +7,7 @@ use narrowbeam::filter::basis::Basis;
 use narrowbeam::filter::cpu::CpuFilter;
 use narrowbeam::filter::{Filter, Optics, Target};
 use narrowbeam::fit::scenes::fit_scenes;
-use narrowbeam::fit::{ChannelFit, Datum, Settings, VeilTerm, fit_channel};
+use narrowbeam::fit::{ChannelFit, Datum, NoiseTerm, Settings, VeilTerm, fit_channel};
 use narrowbeam::geometry::{Field, Geometry};
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
@@ -179,6 +179,11 @@ fn sums_give_the_answer_of_renders() {
     let mut made = Made::plane(model, Border::Zero, whole);
     let mask = Image::from_fn(64, 64, |x, y| f32::from(u8::from((x * x + y * y) % 7 < 4 && x + y > 30)));
     assert_agreed("mask", &[Datum { mask: Some(&mask), ..made.datum() }], model);
+    let variance =
+        Image::from_fn(64, 64, |x, _| NOISE as f32 * NOISE as f32 * (0.2 + x as f32 / 8.0).powi(2));
+    let uneven = Datum { mask: Some(&mask), noise: Some(NoiseTerm::Variance(&variance)), ..made.datum() };
+    assert_agreed("variances", &[uneven], model);
+    assert_agreed("variances and a free veil", &[Datum { veil: VeilTerm::Free, ..uneven }], model);
     made.observed.data.iter_mut().for_each(|v| *v = 1.3 * *v + 0.2);
     let exposed = Datum { gain: Gain::Free, veil: VeilTerm::Free, ..made.datum() };
     assert_agreed("free gain and veil", &[exposed], model);

@@ -9,15 +9,23 @@ use narrowbeam::spread::wide_angle::table::Table;
 use narrowbeam::spread::wide_angle::{WideAngle, table_of};
 use narrowbeam::spread::{Dual, Model, SpreadKernel};
 use narrowbeam::trace::{
-    RadialConfig, RadialProfile, ScaledMedium, log_spaced, trace_histories, trace_radial,
+    Estimate, RadialConfig, RadialProfile, ScaledMedium, log_spaced, trace_histories, trace_radial,
 };
 
 /// Media of the comparison.
 const MEDIA: u32 = 40;
-/// Scattered paths of each.
+/// Scattered paths of each, of a run in seconds and of one in minutes.
 const PATHS: f64 = 3e5;
+const MANY_PATHS: f64 = 1e7;
+/// Noise, as a share of the scattered light, above which the latter takes ten times as many: where nearly all paths are
+/// absorbed.
+const QUIET: f64 = 0.0005;
 /// Worst error of the encircled energy, as a share of the scattered light.
 const BOUND: f64 = 0.005;
+/// The same where less than [`FAINT`] of the light arrives: at tau 7.2, sigma_a z 6.7 and 46 degrees, where small angles are
+/// off fifteenfold, the noise of the table's own nodes is nearly half a percent.
+const FAINT_BOUND: f64 = 0.006;
+const FAINT: f64 = 1e-4;
 /// The same of Henyey-Greenstein's lobe, whose table has few nodes of g: up to .7 % was measured with 16 million paths.
 const HG_BOUND: f64 = 0.008;
 /// Standard errors that the largest of some hundred correlated, normal errors exceeds in one of a hundred cases: that of
@@ -50,29 +58,40 @@ fn wide_angle<'a>(medium: &Medium, phase: &'a Lobe, z: f64) -> WideAngle<'a> {
     WideAngle::new(table_of(phase.family()), medium, phase, z).unwrap()
 }
 
-/// Light traced to the depth 1.
-fn traced(medium: Medium, phase: &Lobe, seed: u64) -> RadialProfile {
+/// Light traced to the depth 1 by so many scattered paths.
+fn traced(medium: Medium, phase: &Lobe, paths: f64, seed: u64) -> RadialProfile {
     let width = phase.planar_width();
     let edges = log_spaced(1e-2 * width, 1e2 * width, 120);
-    let paths = (PATHS / -(-medium.sigma_s()).exp_m1()) as u64;
+    let paths = (paths / -(-medium.sigma_s()).exp_m1()) as u64;
     let config = RadialConfig { medium, depths: vec![1.0], edges, paths, seed };
     trace_radial(&config, phase, &|_| ()).unwrap().remove(0)
 }
 
-/// Compares with fresh tracing in `media` media, whose lobe is `lobe_of` a number between 0 and 1 and called `what`, and prints
-/// a row for each.
-fn compare(media: u32, (what, bound): (&str, f64), lobe_of: impl Fn(f64) -> (f64, Lobe)) {
+/// The worst error in each of so many media, whose lobe is `lobe_of` a number between 0 and 1 and called `what`, with a line
+/// for people; with ten times as many paths where its noise is above `quiet`. Third, the share of the light that arrives
+/// scattered.
+fn worst_errors(
+    (media, what): (u32, &str),
+    lobe_of: impl Fn(f64) -> (f64, Lobe),
+    (paths, quiet, seed): (f64, f64, u64),
+) -> Vec<(Estimate, String, f64)> {
     println!("  tau  sigma_a z  {what}  worst error ± noise   at r/r50   total error ± noise  small-angle");
-    let mut worst_case = (0.0, String::new());
-    for i in 1..=media {
+    let of_medium = |i: u32| {
         let (shown, phase) = lobe_of(halton(i, 5));
         let range = Model::WideAngle.range(phase.family()).unwrap();
         let tau = 0.05 * (range.tau / 0.05).powf(halton(i, 2));
         let absorption = (1.0 + range.absorption).powf(halton(i, 3)) - 1.0;
         let medium = Medium::new(tau, absorption).unwrap();
-        let traced = traced(medium, &phase, 1000 + u64::from(i));
         let kernel = wide_angle(&medium, &phase, 1.0);
-        let worst = worst_encircled_error(&traced, &kernel).unwrap();
+        let compared = |paths: f64| {
+            let traced = traced(medium, &phase, paths, seed + u64::from(i));
+            let worst = worst_encircled_error(&traced, &kernel).unwrap();
+            (traced, worst)
+        };
+        let (mut traced, mut worst) = compared(paths);
+        if worst.share.std_error > quiet {
+            (traced, worst) = compared(10.0 * paths);
+        }
         let small = Model::SmallAngle.kernel(&medium, &phase, 1.0).unwrap();
         let small = worst_encircled_error(&traced, &*small).unwrap();
         let total = traced.scattered();
@@ -86,36 +105,58 @@ fn compare(media: u32, (what, bound): (&str, f64), lobe_of: impl Fn(f64) -> (f64
             small.share.value,
         );
         println!("{row}");
-        let beyond_noise = worst.share.value - NORMAL * worst.share.std_error;
-        if beyond_noise > worst_case.0 {
-            worst_case = (beyond_noise, row);
-        }
-    }
-    println!("farthest beyond the noise of the comparison:\n{}", worst_case.1);
-    assert!(worst_case.0 < bound, "{}", worst_case.1);
+        (worst.share, row, kernel.scattered())
+    };
+    (1..=media).map(of_medium).collect()
+}
+
+/// A lobe of the Gaussian table's range.
+fn any_angle(share: f64) -> (f64, Lobe) {
+    let degrees = 2.0 + 58.0 * share;
+    (degrees, lobe(degrees))
+}
+
+/// A lobe of Henyey and Greenstein's table's range.
+fn any_g(share: f64) -> (f64, Lobe) {
+    let g = 1.0 - 0.005 * 100.0_f64.powf(share);
+    (g, hg(g))
+}
+
+/// Asserts that no error is above `bound` by more than the noise of the comparison may make of it.
+fn hold(errors: &[(Estimate, String, f64)], bound: f64) {
+    let beyond = |error: &Estimate| error.value - NORMAL * error.std_error;
+    let worst = errors.iter().max_by(|a, b| beyond(&a.0).total_cmp(&beyond(&b.0))).unwrap();
+    println!("farthest beyond the noise of the comparison:\n{}", worst.1);
+    assert!(beyond(&worst.0) < bound, "{}", worst.1);
 }
 
 #[test]
 fn encircled_energy_is_that_of_fresh_tracing_over_the_whole_range() {
-    compare(MEDIA, ("angle", BOUND), |share| {
-        let degrees = 2.0 + 58.0 * share;
-        (degrees, lobe(degrees))
-    });
+    hold(&worst_errors((MEDIA, "angle"), any_angle, (PATHS, f64::INFINITY, 1000)), BOUND);
 }
 
 #[test]
 fn encircled_energy_of_henyey_greenstein_is_that_of_fresh_tracing_over_the_whole_range() {
-    compare(MEDIA / 2, ("g    ", HG_BOUND), |share| {
-        let g = 1.0 - 0.005 * 100.0_f64.powf(share);
-        (g, hg(g))
-    });
+    hold(&worst_errors((MEDIA / 2, "g    "), any_g, (PATHS, f64::INFINITY, 1000)), HG_BOUND);
+}
+
+#[test]
+#[ignore = "five minutes of processor time: the same with so little noise that none need be allowed for"]
+fn encircled_energy_is_within_its_bound_with_no_allowance_for_noise() {
+    let errors = worst_errors((MEDIA, "angle"), any_angle, (MANY_PATHS, QUIET, 2000));
+    let worst = errors.iter().max_by(|a, b| a.0.value.total_cmp(&b.0.value)).unwrap();
+    println!("worst:\n{}", worst.1);
+    for (error, row, scattered) in &errors {
+        let bound = if *scattered < FAINT { FAINT_BOUND } else { BOUND };
+        assert!(error.value < bound, "{row}");
+    }
 }
 
 #[test]
 fn the_comparison_refuses_small_angle_theory() {
     let (medium, phase) = (Medium::new(1.0, 0.2).unwrap(), lobe(20.0));
     let small = Model::SmallAngle.kernel(&medium, &phase, 1.0).unwrap();
-    let worst = worst_encircled_error(&traced(medium, &phase, 5), &*small).unwrap();
+    let worst = worst_encircled_error(&traced(medium, &phase, PATHS, 5), &*small).unwrap();
     assert!(worst.share.value - NORMAL * worst.share.std_error > HG_BOUND, "{worst:?}");
 }
 

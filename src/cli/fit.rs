@@ -72,6 +72,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     atomic::check_writable(&arguments.out.join("fit.json"))?;
     let mut fit = estimate(arguments, &scenes, &chosen)?;
     add_intervals(arguments, &scenes, &chosen, &mut fit)?;
+    add_advice(arguments, &scenes, &chosen, &mut fit)?;
     fit.report.backend["reason"] = chosen.reason.clone().into();
     fit.report.command = provenance().into_iter().find(|(key, _)| key == "command").map(|(_, value)| value);
     write(arguments, &scenes, &fit, &chosen)?;
@@ -136,6 +137,18 @@ fn add_intervals(
         })?;
     }
     Ok(())
+}
+
+/// What would free what is undetermined, if something is.
+fn add_advice(
+    arguments: &Arguments,
+    scenes: &[Scene],
+    chosen: &Chosen,
+    fit: &mut SceneFit,
+) -> crate::Result<()> {
+    let progress = Progress::uncounted("reckoning what would determine more");
+    let tick = || progress.add(1);
+    fit.add_advice(scenes, &settings_of(arguments, chosen, &tick), arguments.rendering.filter)
 }
 
 /// The table for people goes to stdout, or to stderr if stdout is for the JSON.

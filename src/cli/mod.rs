@@ -2,6 +2,7 @@
 
 mod backend;
 mod calibrate;
+mod chart;
 mod fit;
 mod forecast;
 mod kernel;
@@ -51,6 +52,8 @@ enum Command {
     Calibrate(calibrate::Arguments),
     /// Map where each method fails, and whether it says so
     Stability(stability::Arguments),
+    /// Chart speed against accuracy: renders and fits of scenes whose medium is known, by every model and backend
+    Chart(chart::Arguments),
     /// Make a table behind the model wide-angle from scratch
     Table(table::Arguments),
 }
@@ -88,6 +91,7 @@ pub fn main() -> ExitCode {
         Command::Reproduce(arguments) => reproduce::run(&arguments),
         Command::Calibrate(arguments) => calibrate::run(&arguments),
         Command::Stability(arguments) => stability::run(&arguments),
+        Command::Chart(arguments) => chart::run(&arguments),
         Command::Table(arguments) => table::run(&arguments),
     };
     done.unwrap_or_else(|error| {

@@ -104,12 +104,15 @@ fn summary(trials: &[Trial]) -> Vec<Vec<String>> {
         Verdict::Refused,
         Verdict::Silent,
     ];
-    let head = ["sweep", "method", "fits"].into_iter().chain(ALL.map(Verdict::name)).map(String::from);
+    let head = ["sweep", "method", "fits", "intervals that hold the truth"];
+    let head = head.into_iter().chain(ALL.map(Verdict::name)).map(String::from);
     let row = |(sweep, method): &(&str, String)| {
         let here: Vec<&Trial> =
             trials.iter().filter(|t| t.sweep == *sweep && t.method.name() == *method).collect();
         let count = |v: Verdict| here.iter().filter(|t| t.outcome.verdict() == v).count().to_string();
-        let start = [sweep.to_string(), method.clone(), here.len().to_string()];
+        let held: Vec<bool> = here.iter().flat_map(|t| t.outcome.found).flatten().map(|f| f.held).collect();
+        let held = format!("{} of {}", held.iter().filter(|h| **h).count(), held.len());
+        let start = [sweep.to_string(), method.clone(), here.len().to_string(), held];
         start.into_iter().chain(ALL.map(count)).collect()
     };
     std::iter::once(head.collect()).chain(keys.iter().map(row)).collect()

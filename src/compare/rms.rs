@@ -22,16 +22,17 @@ pub struct RmsError {
 }
 
 /// The relative rms error of a kernel's light per radius `kernel` against `traced`, ring by ring, of `paths` paths that
-/// each end in one ring at most; `None` if the traced light is not above its noise.
+/// each end in one ring at most; `None` if the traced light is not above its noise. Of values that are independent of each
+/// other, such as pixels, `paths` is `None`.
 ///
 /// To first order d(e²) = 2 sum g dt / sum t², g = t - m - e² t. A path scores in one ring at most, so
 /// cov(t_i, t_j) = -t_i t_j / n between rings; the squares of the noise add 2 sum s⁴ / (sum t²)².
 ///
 /// # Panics
 /// Unless there is a value of the kernel for each traced one.
-pub fn rms_error(kernel: &[f64], traced: &[Estimate], paths: u64) -> Option<RmsError> {
+pub fn rms_error(kernel: &[f64], traced: &[Estimate], paths: Option<u64>) -> Option<RmsError> {
     assert_eq!(kernel.len(), traced.len(), "one value of the kernel a ring");
-    let n = paths as f64;
+    let n = paths.map_or(f64::INFINITY, |n| n as f64);
     let rings = || kernel.iter().zip(traced).map(|(&m, t)| (m, t.value, t.std_error * t.std_error));
     let noise: f64 = rings().map(|(_, _, s2)| s2).sum();
     let light = rings().map(|(_, t, _)| t * t).sum::<f64>() - noise;
@@ -77,11 +78,11 @@ mod tests {
     #[test]
     fn a_kernel_without_light_errs_by_all_and_one_of_half_the_light_by_half() {
         let traced = exact([3.0, 4.0, 1.0, 0.0]);
-        let error = |kernel: [f64; 4]| rms_error(&kernel, &traced, 100).unwrap().error.value;
+        let error = |kernel: [f64; 4]| rms_error(&kernel, &traced, Some(100)).unwrap().error.value;
         assert_eq!(error([0.0; 4]), 1.0);
         assert_eq!(error([1.5, 2.0, 0.5, 0.0]), 0.5);
         assert_eq!(error([3.0, 4.0, 1.0, 0.0]), 0.0);
-        assert!(rms_error(&[1.0; 4], &exact([0.0; 4]), 100).is_none());
+        assert!(rms_error(&[1.0; 4], &exact([0.0; 4]), Some(100)).is_none());
     }
 
     #[test]

@@ -36,8 +36,7 @@ impl<'a> Comparison<'a> {
     /// Takes the pixels of `observed` that count now.
     pub(super) fn observe(&mut self, observed: &Observed) -> Result<()> {
         if let Prepared::Gpu(filter) = &self.filter {
-            let pixel = |value: Option<f32>| (value.unwrap_or(0.0), value.is_some());
-            let observation = filter.observe(observed.values().into_iter().map(pixel))?;
+            let observation = filter.observe(observed.values().into_iter())?;
             let reference = Cell::new(observed.given_exposure());
             self.on_device = Some(OnDevice { observation, reference });
         }

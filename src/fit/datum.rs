@@ -15,6 +15,15 @@ pub enum VeilTerm<'a> {
     Free,
 }
 
+/// The noise of one channel.
+#[derive(Debug, Clone, Copy)]
+pub enum NoiseTerm<'a> {
+    /// One standard deviation for all pixels.
+    Level(f64),
+    /// The variance of each pixel, an image of the view's size, above 0 where a pixel counts.
+    Variance(&'a Image),
+}
+
 /// One channel of one scene, with its observation.
 #[derive(Debug, Clone, Copy)]
 pub struct Datum<'a> {
@@ -26,8 +35,8 @@ pub struct Datum<'a> {
     pub mask: Option<&'a Image>,
     /// Pixels of which a larger share of the light may be hidden do not count.
     pub hidden_share_max: f64,
-    /// Standard deviation of a pixel's noise, if known.
-    pub noise: Option<f64>,
+    /// The noise of a pixel, if known.
+    pub noise: Option<NoiseTerm<'a>>,
     /// Exposure.
     pub gain: Gain,
     /// Relative standard error of a gain that is given.

@@ -3,6 +3,7 @@
 //! Where gain or veil are free their share is taken out of the Gauss-Newton matrix by the Schur complement (variable
 //! projection in Kaufman's form, 1975); what belongs to them is kept for their errors.
 
+use super::observed::Counted;
 use crate::image::Image;
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Matrix6, Vector2, Vector3, Vector6};
 use rayon::prelude::*;
@@ -63,7 +64,7 @@ impl NormalEquations {
     }
 }
 
-/// Sums over the pixels that count of the products of six images: a render m, its derivatives in sigma_s, sigma_a and B,
+/// Sums over the pixels that count, each with its weight, of the products of six images: a render m, its derivatives in sigma_s, sigma_a and B,
 /// the residual r = gain · m + veil - y at a reference exposure, and 1. All that a fit asks of a scene follows from
 /// them. Near the best exposure r is small, so nothing cancels.
 #[derive(Debug, Clone)]
@@ -82,21 +83,22 @@ pub(super) const ONE: usize = 5;
 const CHUNK: usize = 8192;
 
 impl Products {
-    /// The sums over `pixels`, index and observed value, of `image` and its derivatives, which count as 0 if missing.
+    /// The sums over `pixels` of `image` and its derivatives, which count as 0 if missing.
     pub(super) fn over(
-        pixels: &[(u32, f32)],
+        pixels: &[Counted],
         image: &Image,
         gradient: Option<&[Image; 3]>,
         reference: Vector2<f64>,
     ) -> Self {
-        let chunk = |pixels: &[(u32, f32)]| {
+        let chunk = |pixels: &[Counted]| {
             let mut sums = [[0.0; 6]; 6];
-            for &(i, y) in pixels {
-                let i = i as usize;
+            for &Counted { index, value, weight } in pixels {
+                let i = index as usize;
                 let m = f64::from(image.data[i]);
                 let [s, a, b] = gradient.map_or([0.0; 3], |g| [0, 1, 2].map(|c| f64::from(g[c].data[i])));
-                let all = [m, s, a, b, reference[0] * m + reference[1] - f64::from(y), 1.0];
-                for (row, left) in sums.iter_mut().zip(all) {
+                let all = [m, s, a, b, reference[0] * m + reference[1] - f64::from(value), 1.0];
+                let weighted = all.map(|v| v * f64::from(weight));
+                for (row, left) in sums.iter_mut().zip(weighted) {
                     row.iter_mut().zip(all).for_each(|(sum, right)| *sum += left * right);
                 }
             }

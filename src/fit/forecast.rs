@@ -8,7 +8,7 @@ use super::scenes::{SceneFit, fit_scenes};
 use crate::error::Result;
 use crate::filter::{Filter, Optics, Target};
 use crate::image::{Channel, Image};
-use crate::scene::{FitOptions, Gain, MediumValues, Observation, Scene, Veil};
+use crate::scene::{FitOptions, Gain, MediumValues, Noise, Observation, Scene, Veil};
 
 /// How the planned images will be taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,7 +38,7 @@ pub fn forecast(
         scene.observation = Some(Observation {
             path: scene.path.clone(),
             image: images(&scene, media, settings, filter)?,
-            noise: Some(plan.noise),
+            noise: Some(Noise::Level(plan.noise)),
             mask: None,
             gain: if plan.free_gain { Gain::Free } else { Gain::Fixed(1.0) },
             veil: if plan.free_veil { Veil::Free } else { Veil::Fixed(0.0) },
@@ -50,7 +50,9 @@ pub fn forecast(
     };
     let planned = scenes.iter().map(planned).collect::<Result<Vec<_>>>()?;
     // The optimum is known: nothing needs to be searched for.
-    fit_scenes(&planned, &Settings { sums: false, ..*settings }, filter)
+    let mut fit = fit_scenes(&planned, &Settings { sums: false, ..*settings }, filter)?;
+    fit.add_advice(&planned, settings, filter)?;
+    Ok(fit)
 }
 
 /// Starts at the truth, and what is held is held there.

@@ -1,7 +1,7 @@
 //! Intervals that do not rest on the curvature at the optimum: profile likelihood and parametric bootstrap.
 
-use super::noise::with_noise;
-use super::{ChannelFit, Datum, Parameters, Settings, Status, fit_channel};
+use super::noise::{with_noise, with_variance};
+use super::{ChannelFit, Datum, Exposure, NoiseTerm, Parameters, Settings, Status, fit_channel};
 use crate::error::Result;
 use crate::filter::Backend;
 use crate::image::Image;
@@ -32,8 +32,12 @@ pub fn profile(
     options: &FitOptions,
     settings: &Settings,
 ) -> Result<Intervals> {
-    let known: Vec<Datum> =
-        data.iter().zip(&fit.exposures).map(|(d, e)| Datum { noise: Some(e.noise), ..*d }).collect();
+    let estimated = |e: &Exposure| Some(NoiseTerm::Level(e.noise));
+    let known: Vec<Datum> = data
+        .iter()
+        .zip(&fit.exposures)
+        .map(|(d, e)| Datum { noise: d.noise.or_else(|| estimated(e)), ..*d })
+        .collect();
     let inflation = if data.iter().any(|d| d.noise.is_none()) { fit.reduced_chi2.max(1.0) } else { 1.0 };
     let mut intervals = [None; 3];
     for (i, interval) in intervals.iter_mut().enumerate() {
@@ -118,12 +122,14 @@ pub fn bootstrap(
     let options = FitOptions { start: fit.parameters.values().map(Some), ..*options };
     // What the fit left out for hidden light stays out: its render is compared with itself there.
     let estimates = (0..draws).into_par_iter().map(|draw| {
-        let scenes = fit.renders.iter().zip(&fit.exposures).enumerate();
-        let noisy: Vec<Image> = scenes
-            .map(|(i, (render, exposure))| {
-                with_noise(render, exposure.noise, seed_of(seed, (draw * data.len() + i) as u64))
-            })
-            .collect();
+        let noisy = |(i, datum): (usize, &Datum)| {
+            let (render, seed) = (&fit.renders[i], seed_of(seed, (draw * data.len() + i) as u64));
+            match datum.noise {
+                Some(NoiseTerm::Variance(variance)) => with_variance(render, variance, seed),
+                _ => with_noise(render, fit.exposures[i].noise, seed),
+            }
+        };
+        let noisy: Vec<Image> = data.iter().enumerate().map(noisy).collect();
         let drawn: Vec<Datum> =
             data.iter().zip(&noisy).map(|(d, image)| Datum { observed: image, ..*d }).collect();
         let settings =

@@ -1,15 +1,17 @@
 //! Fitting a medium to observed images: sigma_s, sigma_a and B or g of one channel from any number of scenes.
 //!
 //! The residual of a pixel is r = (gain · I(sigma_s, sigma_a, B) + veil - observed) / noise, I being the rendered
-//! object light. A free gain or veil enters linearly and is eliminated at every step (variable projection, Golub
-//! and Pereyra 1973); the rest is a damped Gauss-Newton iteration in (ln sigma_s, sigma_a, ln B), or
-//! ln(1 - g) in place of ln B for Henyey-Greenstein's phase function.
+//! object light, and noise one number a scene or the root of each pixel's variance. A free gain or veil enters linearly and
+//! is eliminated at every step (variable projection, Golub and Pereyra 1973); the rest is a damped Gauss-Newton iteration in
+//! (ln sigma_s, sigma_a, ln B), or ln(1 - g) in place of ln B for Henyey-Greenstein's phase function.
 
+mod advice;
 mod comparison;
 mod datum;
 mod displacement;
 mod equations;
 mod exposure;
+mod identifiability;
 mod input_error;
 mod intervals;
 mod model_error;
@@ -29,8 +31,10 @@ pub mod noise;
 pub mod report;
 pub mod scenes;
 
-pub use datum::{Datum, VeilTerm};
+pub use advice::{Advice, advise};
+pub use datum::{Datum, NoiseTerm, VeilTerm};
 pub use exposure::Exposure;
+pub use identifiability::Combination;
 pub use input_error::InputError;
 pub use intervals::{Intervals, bootstrap, profile};
 pub use model_error::ModelError;
@@ -101,6 +105,8 @@ pub struct ChannelFit {
     pub model_error: Option<ModelError>,
     /// What errors of the input do to them.
     pub input_error: InputError,
+    /// How far the data would move the coordinates on from the optimum, were there no bounds: a Gauss-Newton step.
+    pub pull: Vector3<f64>,
     /// By how many standard deviations blocks of residuals exceed what noise leaves in them.
     pub structure: f64,
     /// Gain, veil, noise and chi² of each scene.
@@ -146,6 +152,8 @@ pub struct ChannelFit {
     pub renders: Vec<Image>,
     /// Share of hidden light of each scene's pixels at the best fit; `None` for a scene in which nothing is hidden.
     pub hidden_shares: Vec<Option<Image>>,
+    /// What the data determine where they leave a parameter open, or hold two only together.
+    pub determined: Vec<Combination>,
 }
 
 impl ChannelFit {
@@ -178,9 +186,9 @@ const MOST_ROUNDS: usize = 6;
 
 /// Fits one channel's medium to `data`; all scenes share it.
 ///
-/// If the fit from the automatic start does not describe the images, it may have ended in a false minimum: kernels
-/// wider than the view are then tried as starts too, and the best of all fits counts; by sums they always are. Edges and
-/// slopes explain a misfit in another way, so scenes that have some are not tried again.
+/// If the fit from the automatic start does not describe the images or ends on a bound, it may have ended in a false
+/// minimum: kernels of other widths are then tried as starts too, and the best of all fits counts; by sums they always are.
+/// Edges and slopes explain a misfit in another way, so scenes that have some are not tried again.
 ///
 /// # Errors
 /// [`Error::NothingToFit`] if no pixel counts or every parameter is fixed, [`Error::OutOfRange`] for contradictory
@@ -192,8 +200,11 @@ pub fn fit_channel(data: &[Datum], options: &FitOptions, settings: &Settings) ->
     let mut best = fit(None, sums.as_deref())?;
     let automatic = settings.model.spreads() && options.start == [None; 3];
     let flat = || data.iter().all(|d| Relief::new(d.target.geometry).is_flat());
-    if best.reduced_chi2 > MISFIT && automatic && best.by_sums.is_none() && flat() {
-        for width in start::BEYOND_THE_VIEW {
+    let doubtful = best.reduced_chi2 > MISFIT
+        || best.structure > structure::STRUCTURED
+        || best.parameters.at_bound().iter().any(|&i| Parameters::is_logarithmic(i));
+    if doubtful && automatic && best.by_sums.is_none() && flat() {
+        for width in start::OTHER_WIDTHS {
             let other = fit(Some(width), None)?;
             if other.reduced_chi2 < best.reduced_chi2 {
                 best = other;
@@ -288,6 +299,7 @@ fn fit_from<'a>(
             // Where the noise was only estimated, a misfit counts as noise for the error bars.
             let inflation = if unknown_noise { reduced_chi2.max(1.0) } else { 1.0 };
             let mut uncertainty = Uncertainty::new(&last, &parameters, median_z, inflation);
+            let pull = uncertainty.step(&last.gradient);
             let exposures = exposures(&last, &observed, Some(&uncertainty));
             let transforms = renders.transforms();
             let mut at_optimum = Displacement {
@@ -306,11 +318,13 @@ fn fit_from<'a>(
             if let Some(error) = &model_error {
                 uncertainty.distrust(|i| error.reference_of(&Vector3::ith(i, 1.0)), median_z);
             }
-            return Ok(ChannelFit {
+            let mut fit = ChannelFit {
+                determined: Vec::new(),
                 model: settings.model,
                 start,
                 model_error,
                 input_error,
+                pull,
                 structure,
                 renders: images,
                 hidden_shares,
@@ -335,7 +349,9 @@ fn fit_from<'a>(
                 transforms,
                 free_gain: data.iter().any(|d| d.gain == Gain::Free),
                 parameters,
-            });
+            };
+            fit.determined = identifiability::determined(data, &fit);
+            return Ok(fit);
         }
         if !served {
             renders = Renders::new(data, &observed, &parameters, settings)?;

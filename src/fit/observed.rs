@@ -3,9 +3,9 @@
 //! The model of a pixel is gain · I + veil. Both enter linearly, so where they are free they take the values that fit
 //! a render best.
 
-use super::datum::{Datum, VeilTerm};
+use super::datum::{Datum, NoiseTerm, VeilTerm};
 use super::equations::{Linear, NormalEquations, ONE, Products, RENDER};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, in_range};
 use crate::image::Image;
 use crate::scene::Gain;
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3, Vector6};
@@ -19,16 +19,28 @@ const HIDDEN_SETTLED: f64 = 0.002;
 /// With fewer pixels whose neighbours all count, the noise is taken from the residuals themselves.
 const FEWEST_LAPLACIANS: i32 = 100;
 
-/// A datum with its pixels gathered: values of those that count, known veil taken off.
+/// A pixel that counts.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Counted {
+    /// Index in the view.
+    pub index: u32,
+    /// Observed, known veil taken off.
+    pub value: f32,
+    /// Of its squared residual, [`Observed::noise`] squared over its own variance.
+    pub weight: f32,
+}
+
+/// A datum with its pixels gathered.
 #[derive(Clone)]
 pub(super) struct Observed<'a> {
     pub datum: Datum<'a>,
     /// Whether each pixel of the view counts.
     counts: Vec<bool>,
-    /// Index in the view and value of those that do.
-    pixels: Vec<(u32, f32)>,
+    /// Those that do.
+    pixels: Vec<Counted>,
     /// Pixels that do not because of hidden light.
     pub hidden: usize,
+    /// Standard deviation of a pixel of weight 1; where variances are given, the root of their harmonic mean.
     pub noise: f64,
 }
 
@@ -39,11 +51,25 @@ impl<'a> Observed<'a> {
             counts: Vec::new(),
             pixels: Vec::new(),
             hidden: 0,
-            noise: datum.noise.unwrap_or(1.0),
+            noise: match datum.noise {
+                Some(NoiseTerm::Level(noise)) => noise,
+                _ => 1.0,
+            },
         };
         observed.gather(|_| true);
         if observed.pixels.is_empty() {
             return Err(Error::NothingToFit("the mask leaves no pixel".into()));
+        }
+        if let Some(NoiseTerm::Variance(variance)) = datum.noise {
+            for pixel in &observed.pixels {
+                let (i, width) = (pixel.index as usize, variance.width);
+                let (name, value) =
+                    (format!("variance of pixel ({}, {})", i % width, i / width), variance.data[i]);
+                in_range(&name, f64::from(value), value > 0.0 && value.is_finite(), "finite and above 0")?;
+            }
+            let sum: f64 = observed.pixels.iter().map(|p| f64::from(p.weight)).sum();
+            observed.noise = (observed.pixels() as f64 / sum).sqrt();
+            observed.gather(|_| true);
         }
         Ok(observed)
     }
@@ -57,11 +83,16 @@ impl<'a> Observed<'a> {
             VeilTerm::Image(image) => image.data[i],
             VeilTerm::Free => 0.0,
         };
+        let unit = self.noise * self.noise;
+        let weight = |i: usize| match datum.noise {
+            Some(NoiseTerm::Variance(image)) => (unit / f64::from(image.data[i])) as f32,
+            _ => 1.0,
+        };
         let all = &datum.observed.data;
         self.counts = (0..all.len()).map(|i| masked(i) && shown(i)).collect();
         self.hidden = (0..all.len()).filter(|&i| masked(i) && !shown(i)).count();
-        self.pixels =
-            (0..all.len()).filter(|&i| self.counts[i]).map(|i| (i as u32, all[i] - veil(i))).collect();
+        let counted = |i: usize| Counted { index: i as u32, value: all[i] - veil(i), weight: weight(i) };
+        self.pixels = (0..all.len()).filter(|&i| self.counts[i]).map(counted).collect();
     }
 
     /// Leaves out the pixels of which more than the datum's share of light may be hidden; returns whether that
@@ -99,19 +130,19 @@ impl<'a> Observed<'a> {
         other
     }
 
-    /// Whether pixel `i` of the view counts.
-    pub(super) fn counts(&self, i: usize) -> bool {
-        self.counts[i]
-    }
-
     pub(super) fn pixels(&self) -> usize {
         self.pixels.len()
     }
 
-    /// The observed value of every pixel of the view that counts, known veil taken off.
-    pub(super) fn values(&self) -> Vec<Option<f32>> {
-        let mut values = vec![None; self.counts.len()];
-        self.pixels.iter().for_each(|&(i, y)| values[i as usize] = Some(y));
+    /// The pixels that count.
+    pub(super) fn counted(&self) -> &[Counted] {
+        &self.pixels
+    }
+
+    /// The observed value of every pixel of the view, known veil taken off, and its weight; both 0 where it does not count.
+    pub(super) fn values(&self) -> Vec<(f32, f32)> {
+        let mut values = vec![(0.0, 0.0); self.counts.len()];
+        self.pixels.iter().for_each(|p| values[p.index as usize] = (p.value, p.weight));
         values
     }
 
@@ -178,21 +209,22 @@ impl<'a> Observed<'a> {
                 }
             }
         }
-        let all = self.pixels.iter().map(|&(i, _)| residual(i as usize).powi(2)).sum::<f64>();
+        let all = self.pixels.iter().map(|p| residual(p.index as usize).powi(2)).sum::<f64>();
         let variance = if number >= FEWEST_LAPLACIANS {
             sum / f64::from(20 * number)
         } else {
             all / self.pixels() as f64
         };
         let level =
-            self.pixels.iter().map(|&(_, y)| f64::from(y).powi(2)).sum::<f64>() / self.pixels() as f64;
+            self.pixels.iter().map(|p| f64::from(p.value).powi(2)).sum::<f64>() / self.pixels() as f64;
         variance.sqrt().max(RENDER_ERROR * level.sqrt()).max(1e-30)
     }
 
     /// The sums of m², m y and y² over noise², of the render m and the observation y; a free veil is taken off both.
     pub(super) fn levels(&self, products: &Products) -> [f64; 3] {
         let (render, one, y) = (Vector6::ith(RENDER, 1.0), Vector6::ith(ONE, 1.0), products.observation());
-        let n = if matches!(self.datum.veil, VeilTerm::Free) { self.pixels() as f64 } else { f64::INFINITY };
+        let free_veil = matches!(self.datum.veil, VeilTerm::Free);
+        let n = if free_veil { products.of(&one, &one) } else { f64::INFINITY };
         let w = 1.0 / (self.noise * self.noise);
         let spread = |a, b| (products.of(a, b) - products.of(a, &one) * products.of(b, &one) / n) * w;
         [spread(&render, &render), spread(&render, &y), spread(&y, &y)]

@@ -1,6 +1,7 @@
 //! The result of a fit as users read it: `fit.json`, and the table on the terminal.
 
 mod gauge;
+mod identified;
 mod warnings;
 
 pub use gauge::Gauge;
@@ -75,6 +76,10 @@ pub struct FitReport {
     pub start: Map<String, Value>,
     /// The command line, if there was one.
     pub command: Option<String>,
+    /// Combinations of the parameters that the data determine where they leave one open, or hold two only together.
+    pub determined: Vec<Value>,
+    /// Which measurement would free what is undetermined, the best first; empty if nothing is.
+    pub advice: Vec<Value>,
     /// The models that were tried, cheapest first; empty if one was asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub ladder: Vec<Rung>,
@@ -98,6 +103,8 @@ impl FitReport {
             exposures: Vec::new(),
             start: Map::new(),
             command: None,
+            determined: Vec::new(),
+            advice: Vec::new(),
             ladder: Vec::new(),
             warnings: Vec::new(),
         };
@@ -131,6 +138,7 @@ impl FitReport {
                 "noise": e.noise, "chi2": e.chi2, "pixels": e.pixels, "hidden_pixels": e.hidden_pixels,
             }));
         }
+        self.add_determined(channel, fit);
         self.warnings.extend(warnings(suffix, fit, model));
     }
 
@@ -189,6 +197,7 @@ impl FitReport {
         if !known.is_empty() {
             lines.push(format!("correlations: {}", known.join(";  ")));
         }
+        lines.extend(self.identified());
         lines.push(format!(
             "chi² {}, reduced {}, AIC {}, BIC {}; {} pixels, {} numbers fitted",
             number("chi2"),

@@ -1,13 +1,14 @@
 //! Fitting scene files: one fit a channel, over all scenes.
 
 use super::report::FitReport;
-use super::{ChannelFit, Datum, Intervals, Parameters, Settings, VeilTerm, fit_channel, path_lengths};
+use super::{ChannelFit, Datum, Intervals, NoiseTerm, Parameters, Settings, VeilTerm};
+use super::{advise, fit_channel, path_lengths};
 use crate::error::{Error, Result};
 use crate::filter::{Filter, Target};
 use crate::geometry::Geometry;
 use crate::image::{Channel, Image};
 use crate::relief::Relief;
-use crate::scene::{FitOptions, Scene, Veil};
+use crate::scene::{FitOptions, Noise, Scene, Veil};
 use std::time::Instant;
 
 /// The fits of all channels, the images that they leave, and the report.
@@ -56,6 +57,19 @@ impl SceneFit {
             for (parameter, interval) in fit.parameters.names().iter().zip(intervals) {
                 self.report.parameters[&format!("{parameter}{suffix}")][key] = serde_json::json!(interval);
             }
+        }
+        Ok(())
+    }
+
+    /// Adds to the report which measurement would free what is undetermined, if something is.
+    ///
+    /// # Errors
+    /// As [`advise`].
+    pub fn add_advice(&mut self, scenes: &[Scene], settings: &Settings, filter: Filter) -> Result<()> {
+        let reliefs = reliefs(scenes, filter);
+        for (i, (name, fit)) in self.channels.iter().enumerate() {
+            let advice = advise(&data(scenes, &reliefs, i), fit, settings)?;
+            self.report.add_advice(name, self.channels.len(), fit, &advice);
         }
         Ok(())
     }
@@ -154,7 +168,10 @@ fn datum<'a>(scene: &'a Scene, relief: Option<&'a Relief>, i: usize) -> Datum<'a
         observed: &observation.image[i].image,
         mask: observation.mask.as_ref(),
         hidden_share_max: observation.hidden_share_max,
-        noise: observation.noise,
+        noise: observation.noise.as_ref().map(|noise| match noise {
+            Noise::Level(v) => NoiseTerm::Level(*v),
+            Noise::Variance(channels) => NoiseTerm::Variance(&channels[i].image),
+        }),
         gain: observation.gain,
         gain_error: observation.gain_error,
         depth_error: scene.depth_error,

@@ -1,9 +1,9 @@
-//! The best optimum by sums, whose evaluations cost next to nothing: from a dense choice of starts, and from kernels wider
-//! than the view, which a fit by renders tries only where it failed.
+//! The best optimum by sums, whose evaluations cost next to nothing: from a dense choice of starts, and from kernels of very
+//! different widths, which a fit by renders tries only where it failed.
 
 use super::datum::Datum;
 use super::observed::Observed;
-use super::start::{BEYOND_THE_VIEW, Scan, Split, place};
+use super::start::{OTHER_WIDTHS, Scan, Split, place};
 use super::sums::Sums;
 use super::{Parameters, Problem, Settings, Source, solver, with_optics};
 use crate::error::Result;
@@ -21,8 +21,8 @@ pub(super) struct Search {
     pub evaluations: u64,
 }
 
-/// The best of the optima that sums find from the automatic start and from kernels wider than the view, or from the
-/// values that the user starts with.
+/// The best of the optima that sums find from the automatic start and from kernels of other widths, or from the values that
+/// the user starts with.
 pub(super) fn search(
     parameters: &Parameters,
     options: &FitOptions,
@@ -36,7 +36,7 @@ pub(super) fn search(
     let scan = Scan { data, observed, split: &split, settings, median_z };
     let mut evaluations = scan.best(&mut starts[0], options, trials, |i, optics| sums[i].products(optics))?;
     if settings.model.spreads() && options.start == [None; 3] {
-        for width in BEYOND_THE_VIEW {
+        for width in OTHER_WIDTHS {
             let mut wide = parameters.clone();
             place(&mut wide, (data, &split), width, median_z);
             starts.push(wide);

@@ -90,7 +90,9 @@ impl Scan<'_> {
         let first = parameters.clone();
         let mut best = f64::INFINITY;
         let mut asked = 0;
-        for &depth in depths {
+        // Not what lies beyond the model's range: from its end a fit would not come back.
+        let within = |depth: &&f64| **depth <= 1.0 || first.values()[0] * **depth <= first.bounds(0)[1];
+        for &depth in depths.iter().filter(within) {
             for &shape in &widths {
                 let mut trial = first.clone();
                 trial.set(0, first.values()[0] * depth);
@@ -114,8 +116,9 @@ impl Scan<'_> {
     }
 }
 
-/// Widths of kernels wider than the view to begin from where narrower ones failed, in views.
-pub(super) const BEYOND_THE_VIEW: [f64; 2] = [0.7, 2.5];
+/// Widths of kernels, in views, to begin from apart from the automatic start: where that ends in a false minimum, mostly in
+/// thick media, in which blurred light passes for direct light.
+pub(super) const OTHER_WIDTHS: [f64; 4] = [0.04, 0.15, 0.7, 2.5];
 
 /// Begins from a kernel of `width` views, and light dimmed half by scattering out of the view, half by absorption.
 pub(super) fn place(

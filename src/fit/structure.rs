@@ -2,7 +2,7 @@
 //!
 //! Noise averages out over blocks of pixels; what a wrong model leaves does not. For white noise of any distribution that is
 //! symmetric, and of any variance that varies slowly, Q = (sum r)² / sum r² over the m pixels r of a block has mean 1, and for
-//! normal noise the variance 2 (m - 1) / (m + 2). So the noise need not be known.
+//! normal noise the variance 2 (m - 1) / (m + 2). So the noise need not be known; variances that are given are divided out.
 
 use super::observed::Observed;
 use crate::image::Image;
@@ -20,24 +20,28 @@ const RENDERED: f64 = 1e-4;
 /// By how many standard deviations the mean of Q over all blocks exceeds 1, for the side of blocks where that is most.
 pub(super) fn structure(observed: &Observed, render: &Image) -> f64 {
     let image = observed.datum.observed;
-    let counted = (0..image.data.len()).filter(|&i| observed.counts(i));
-    let (residual, signal) = counted.fold((0.0, 0.0), |(residual, signal), i| {
+    let mut residuals = vec![None; image.data.len()];
+    let (mut residual, mut signal) = (0.0, 0.0);
+    for pixel in observed.counted() {
+        let i = pixel.index as usize;
         let (y, m) = (f64::from(image.data[i]), f64::from(render.data[i]));
-        (residual + (y - m).powi(2), signal + y * y)
-    });
+        residuals[i] = Some(f64::from(pixel.weight).sqrt() * (y - m));
+        residual += (y - m).powi(2);
+        signal += y * y;
+    }
     if residual < RENDERED * RENDERED * signal {
         return 0.0;
     }
-    BLOCKS_PX.iter().filter_map(|&side| excess(observed, render, side)).fold(0.0, f64::max)
+    BLOCKS_PX.iter().filter_map(|&side| excess(&residuals, image, side)).fold(0.0, f64::max)
 }
 
-fn excess(observed: &Observed, render: &Image, side: usize) -> Option<f64> {
-    let image = observed.datum.observed;
+/// The same for blocks of one side of the `residuals` of `image`, whose pixels do not all count.
+fn excess(residuals: &[Option<f64>], image: &Image, side: usize) -> Option<f64> {
     let (mut sum, mut blocks) = (0.0, 0);
     for y in (0..image.height + 1 - side.min(image.height + 1)).step_by(side) {
         for x in (0..image.width + 1 - side.min(image.width + 1)).step_by(side) {
             let pixels = (0..side * side).map(|k| (y + k / side) * image.width + x + k % side);
-            if let Some(q) = quotient(observed, render, pixels) {
+            if let Some(q) = quotient(residuals, pixels) {
                 (sum, blocks) = (sum + q, blocks + 1);
             }
         }
@@ -47,11 +51,10 @@ fn excess(observed: &Observed, render: &Image, side: usize) -> Option<f64> {
 }
 
 /// Q of one block; `None` if some pixel of it does not count, or all are met exactly.
-fn quotient(observed: &Observed, render: &Image, mut pixels: impl Iterator<Item = usize>) -> Option<f64> {
-    let image = observed.datum.observed;
+fn quotient(residuals: &[Option<f64>], mut pixels: impl Iterator<Item = usize>) -> Option<f64> {
     let (sum, squares) = pixels.try_fold((0.0, 0.0), |(sum, squares), i| {
-        let r = f64::from(image.data[i]) - f64::from(render.data[i]);
-        observed.counts(i).then_some((sum + r, squares + r * r))
+        let r = residuals[i]?;
+        Some((sum + r, squares + r * r))
     })?;
     (squares > 0.0).then(|| sum * sum / squares)
 }

@@ -18,7 +18,7 @@ use std::ops::Range;
 /// The sums of one scene.
 pub(super) struct Sums<'a> {
     basis: Basis<'a>,
-    /// Products of the images, the observation and 1, summed over the pixels that count.
+    /// Products of the images, the observation and 1, summed over the pixels that count, each with its weight.
     gram: DMatrix<f64>,
     /// Gain and veil at which residuals are formed.
     reference: Vector2<f64>,
@@ -81,11 +81,11 @@ impl<'a> Sums<'a> {
     }
 }
 
-/// The lower half of the sums of products over one strip, row-major. `values` are those of the pixels that count, in a
-/// view of `width` columns.
+/// The lower half of the sums of products over one strip, row-major. `values` are those of all pixels and
+/// their weights, in a view of `width` columns.
 fn strip_sums(
     images: &Images,
-    (values, width): (&[Option<f32>], usize),
+    (values, width): (&[(f32, f32)], usize),
     strip: &Range<usize>,
     number: usize,
 ) -> Vec<f64> {
@@ -97,8 +97,8 @@ fn strip_sums(
             };
             columns.clone().map(lane).collect()
         };
-        let one = lanes(&|i| f32::from(u8::from(values[i].is_some())));
-        let y = lanes(&|i| values[i].unwrap_or(0.0));
+        let one = lanes(&|i| values[i].1.sqrt());
+        let y = lanes(&|i| values[i].0 * values[i].1.sqrt());
         let counted: Vec<Vec<Lane>> = images.iter().map(|image| times(image, &one)).collect();
         let all: Vec<&[f32]> = counted.iter().chain([&y, &one]).map(|image| image.as_flattened()).collect();
         for (i, a) in all.iter().enumerate() {

@@ -2,7 +2,9 @@
 //!
 //! The matrix is scaled to unit diagonal (the diagonal before gain and veil were eliminated) and decomposed into
 //! eigenvectors. A direction whose eigenvalue is below rounding moves no pixel: any parameter with a part in it is
-//! undetermined. The variance of a linear function g·u is sum (g·v)²/lambda over the others.
+//! undetermined. The variance of a linear function g·u is sum (g·v)²/lambda over the others. The eigenvectors are the right
+//! singular vectors of the scaled Jacobian, the eigenvalues the squares of its singular values, so this is the covariance by
+//! SVD; the sums being f64, the square loses nothing that f32 renders had.
 
 use super::equations::NormalEquations;
 use super::parameters::Parameters;
@@ -123,6 +125,11 @@ impl Uncertainty {
         let (a, b) = (self.std_errors[i]?, self.std_errors[j]?);
         let both = self.variance_of(&(Vector3::ith(i, 1.0) + Vector3::ith(j, 1.0)))?;
         Some(((both - a * a - b * b) / (2.0 * a * b)).clamp(-1.0, 1.0))
+    }
+
+    /// By what every variance is multiplied.
+    pub(super) fn inflation(&self) -> f64 {
+        self.inflation
     }
 
     /// Status of parameter `i`.

@@ -148,7 +148,7 @@ impl Rings {
     pub fn errors(&self) -> Result<Vec<(Model, RmsError)>> {
         let dark = || Error::NotFinite(format!("no traced light at depth {}", self.z));
         let of = |(model, kernel): &(Model, Vec<f64>)| {
-            Ok((*model, rms_error(kernel, &self.traced, self.paths).ok_or_else(dark)?))
+            Ok((*model, rms_error(kernel, &self.traced, Some(self.paths)).ok_or_else(dark)?))
         };
         self.kernels.iter().map(of).collect()
     }

@@ -20,8 +20,9 @@ const FAMILY: &str = "sans-serif";
 /// Colour of text and axes.
 pub(super) const INK: RGBColor = RGBColor(30, 30, 30);
 
-/// Colours of lines, after Okabe and Ito (2008), without their yellow, which is faint on white.
-pub(super) const PALETTE: [RGBColor; 8] = [
+/// Colours of lines, after Okabe and Ito (2008), without their yellow, which is faint on white; then grey, and two more
+/// that are dark enough to be told from these by their lightness.
+pub(super) const PALETTE: [RGBColor; 10] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
@@ -30,6 +31,8 @@ pub(super) const PALETTE: [RGBColor; 8] = [
     RGBColor(230, 159, 0),
     RGBColor(0, 0, 0),
     RGBColor(136, 136, 136),
+    RGBColor(112, 48, 160),
+    RGBColor(122, 80, 40),
 ];
 
 /// An error of drawing, as text: what can go wrong depends on the backend.

@@ -1,7 +1,8 @@
 //! Line charts side by side, rows on common axes, with one legend above them.
 
 use super::canvas::{Drawn, bitmap, text, write_png, write_svg};
-use super::lines::{LABEL_PX, LineChart, TITLE_PX, scales};
+use super::lines::{LineChart, TITLE_PX, scales};
+use super::series::{LABEL_PX, Series};
 use crate::error::Result;
 use plotters::coord::Shift;
 use plotters::prelude::{DrawingArea, DrawingBackend, Text};
@@ -46,31 +47,30 @@ impl ChartGrid {
         ((CELL_PX.0 * self.columns() as i32) as u32, height as u32)
     }
 
-    /// Where each name of the legend stands: left end of its sample, px.
-    fn legend(&self) -> Vec<(i32, i32)> {
+    /// The series of the legend, with their places among all and the left ends of their samples, px.
+    fn legend(&self) -> Vec<(usize, &Series, (i32, i32))> {
         let series = self.rows.iter().flatten().next().map_or(&[][..], |chart| &chart.series);
         let (mut x, mut y) = (MARGIN_PX, MARGIN_PX + 2 * ROW_PX);
-        let mut places = Vec::new();
-        for one in series {
+        let mut entries = Vec::new();
+        for (i, one) in series.iter().enumerate().filter(|(_, one)| !one.name.is_empty()) {
             let width = one.sample_width();
             if x > MARGIN_PX && x + width > CELL_PX.0 * self.columns() as i32 {
                 (x, y) = (MARGIN_PX, y + ROW_PX);
             }
-            places.push((x, y));
+            entries.push((i, one, (x, y)));
             x += width;
         }
-        places
+        entries
     }
 
     fn charts_top(&self) -> i32 {
-        self.legend().last().map_or(MARGIN_PX, |place| place.1) + ROW_PX
+        self.legend().last().map_or(MARGIN_PX, |(_, _, place)| place.1) + ROW_PX
     }
 
     fn draw<DB: DrawingBackend>(&self, root: &DrawingArea<DB, Shift>) -> Drawn {
         let title = Text::new(self.title.clone(), (MARGIN_PX, MARGIN_PX), text(TITLE_PX));
         root.draw(&title).map_err(|e| e.to_string())?;
-        let named = self.rows.iter().flatten().next().map_or(&[][..], |chart| &chart.series);
-        for (i, (series, place)) in named.iter().zip(self.legend()).enumerate() {
+        for (i, series, place) in self.legend() {
             series.draw_sample(root, i, place)?;
         }
         let (_, charts) = root.split_vertically(self.charts_top());

@@ -1,27 +1,20 @@
 //! A line chart: named series over a linear or logarithmic axis, with the legend beside it.
 
-use super::canvas::{Drawn, INK, PALETTE, bitmap, label, text, text_width, write_png, write_svg};
+use super::canvas::{Drawn, INK, bitmap, text, text_width, write_png, write_svg};
 use super::scale::Scale;
+use super::series::{LABEL_PX, Mark, Series, Spread};
 use crate::error::Result;
 use plotters::chart::ChartBuilder;
 use plotters::coord::Shift;
 use plotters::prelude::{
-    Circle, DashedLineSeries, DrawingArea, DrawingBackend, LineSeries, PathElement, Polygon, RGBColor,
-    TRANSPARENT, Text,
+    Circle, DashedLineSeries, DrawingArea, DrawingBackend, LineSeries, PathElement, Polygon, TRANSPARENT,
 };
-use plotters::style::{Color, ShapeStyle};
+use plotters::style::Color;
 use std::path::Path;
 
 const SIZE: (u32, u32) = (1200, 760);
 pub(super) const TITLE_PX: f64 = 24.0;
-pub(super) const LABEL_PX: f64 = 19.0;
 const TICK_PX: f64 = 16.0;
-const LINE_PX: u32 = 2;
-const BROAD_PX: u32 = 5;
-const BROAD: RGBColor = RGBColor(150, 150, 150);
-
-/// Length of the line that stands for a series in the legend, px.
-const SAMPLE_PX: i32 = 40;
 
 /// A logarithmic axis shows at most this many decades; below, nothing of a kernel can be seen in an image.
 const DECADES: f64 = 8.0;
@@ -33,101 +26,6 @@ pub struct Axis {
     pub label: String,
     /// Logarithmic instead of linear; values that are not positive are left out.
     pub log: bool,
-}
-
-/// The uncertainty of a series, one standard error a point, drawn to either side.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Spread {
-    /// None is drawn.
-    None,
-    /// A bar at each point.
-    Bars(Vec<f64>),
-    /// A shaded band.
-    Band(Vec<f64>),
-}
-
-/// How a series is drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Mark {
-    /// A line through the points.
-    Line,
-    /// The points alone: for measured values among models.
-    Points,
-    /// A broad gray line beneath the others: for measured values too many for points.
-    Broad,
-}
-
-/// Named points.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Series {
-    /// The name in the legend.
-    pub name: String,
-    /// (x, y), in increasing x.
-    pub points: Vec<(f64, f64)>,
-    /// Uncertainty of y, for each point.
-    pub spread: Spread,
-    /// Line or points.
-    pub mark: Mark,
-}
-
-impl Series {
-    /// A line without uncertainty.
-    pub fn line(name: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
-        Self { name: name.into(), points, spread: Spread::None, mark: Mark::Line }
-    }
-
-    /// Points with a bar of one standard error to either side.
-    pub fn measured(name: impl Into<String>, points: Vec<(f64, f64)>, std_errors: Vec<f64>) -> Self {
-        Self { name: name.into(), points, spread: Spread::Bars(std_errors), mark: Mark::Points }
-    }
-
-    /// Draws its line or point and its name in a legend, as the series `i`, from the left end at `x`, `y` px.
-    pub(super) fn draw_sample<DB: DrawingBackend>(
-        &self,
-        area: &DrawingArea<DB, Shift>,
-        i: usize,
-        (x, y): (i32, i32),
-    ) -> Drawn {
-        let style = self.style(i);
-        let ends = [(x, y), (x + SAMPLE_PX, y)];
-        let drawn = match self.mark {
-            Mark::Points => area.draw(&Circle::new((x + SAMPLE_PX / 2, y), 4, style.filled())),
-            Mark::Line if is_dashed(i) => {
-                let mut dashes = DashedLineSeries::new(ends, 9, 5, style).into_iter();
-                dashes.try_for_each(|d| area.draw(&d))
-            }
-            Mark::Line | Mark::Broad => area.draw(&PathElement::new(ends, style)),
-        };
-        let name = Text::new(self.name.clone(), (x + SAMPLE_PX + 10, y), label(LABEL_PX));
-        drawn.and_then(|()| area.draw(&name)).map_err(|e| e.to_string())
-    }
-
-    /// The style of the series `i`.
-    fn style(&self, i: usize) -> ShapeStyle {
-        match self.mark {
-            Mark::Broad => BROAD.stroke_width(BROAD_PX),
-            Mark::Line | Mark::Points => PALETTE[i % PALETTE.len()].stroke_width(LINE_PX),
-        }
-    }
-
-    /// Room that it takes in a legend, px.
-    pub(super) fn sample_width(&self) -> i32 {
-        SAMPLE_PX + 40 + text_width(&self.name, LABEL_PX) as i32
-    }
-
-    /// A broad line beneath the others, with a band of one standard error to either side.
-    pub fn reference(name: impl Into<String>, points: Vec<(f64, f64)>, std_errors: Vec<f64>) -> Self {
-        Self { name: name.into(), points, spread: Spread::Band(std_errors), mark: Mark::Broad }
-    }
-
-    /// Each point with the ends of its error bar.
-    fn with_ends(&self) -> impl Iterator<Item = (f64, f64, f64, f64)> {
-        let half = |i: usize| match &self.spread {
-            Spread::None => 0.0,
-            Spread::Bars(errors) | Spread::Band(errors) => errors.get(i).copied().unwrap_or(0.0),
-        };
-        self.points.iter().enumerate().map(move |(i, &(x, y))| (x, y, y - half(i), y + half(i)))
-    }
 }
 
 /// A chart of several series.
@@ -212,6 +110,13 @@ impl LineChart {
                     |p: (f64, f64, f64, f64)| PathElement::new([(p.0, end(p.2)), (p.0, end(p.3))], style);
                 chart.draw_series(shown.map(bar)).map_err(|e| e.to_string())?;
             }
+            if let Mark::Signs(sign, _) = series.mark {
+                let shown = series.points.iter().copied().filter(inside);
+                for point in shown {
+                    sign.draw(chart.plotting_area(), point, style).map_err(|e| e.to_string())?;
+                }
+                continue;
+            }
             if series.mark == Mark::Points {
                 let shown = series.points.iter().copied().filter(inside);
                 let dots = shown.map(|p| Circle::new(p, 4, style.filled()));
@@ -219,7 +124,7 @@ impl LineChart {
                 continue;
             }
             for piece in pieces_inside(&series.points, y) {
-                let drawn = if series.mark == Mark::Line && is_dashed(i) {
+                let drawn = if series.is_dashed(i) {
                     chart.draw_series(DashedLineSeries::new(piece, 9, 5, style)).map(drop)
                 } else {
                     chart.draw_series(LineSeries::new(piece, style)).map(drop)
@@ -232,8 +137,9 @@ impl LineChart {
 
     fn draw_legend<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> Drawn {
         let row_px = (1.6 * LABEL_PX) as i32;
-        for (i, series) in self.series.iter().enumerate() {
-            series.draw_sample(area, i, (6, 64 + row_px * i as i32))?;
+        let named = self.series.iter().enumerate().filter(|(_, series)| !series.name.is_empty());
+        for (row, (i, series)) in named.enumerate() {
+            series.draw_sample(area, i, (6, 64 + row_px * row as i32))?;
         }
         Ok(())
     }
@@ -249,11 +155,6 @@ pub(super) fn scales(charts: &[&LineChart]) -> [Scale; 2] {
     [x, Scale::around(low.chain(all().map(|p| p.3)), y_log, DECADES)]
 }
 
-/// Every other line is dashed, so that curves that coincide can both be seen.
-fn is_dashed(i: usize) -> bool {
-    i % 2 == 1
-}
-
 /// The parts of a curve that lie between the ends of the vertical axis, cut where they leave it.
 fn pieces_inside(points: &[(f64, f64)], y: Scale) -> Vec<Vec<(f64, f64)>> {
     let mut pieces: Vec<Vec<(f64, f64)>> = vec![Vec::new()];
@@ -265,15 +166,16 @@ fn pieces_inside(points: &[(f64, f64)], y: Scale) -> Vec<Vec<(f64, f64)>> {
             pieces.push(Vec::new());
             continue;
         }
-        let cut = |t: f64| {
-            let f = if from == to { 0.0 } else { (t.clamp(0.0, 1.0) - from) / (to - from) };
+        // The place at the height `t`; a level line is never cut, so its `end` says where on it that is.
+        let cut = |t: f64, end: f64| {
+            let f = if from == to { end } else { (t.clamp(0.0, 1.0) - from) / (to - from) };
             (pair[0].0 + f * (pair[1].0 - pair[0].0), y.value(t.clamp(0.0, 1.0)))
         };
         let piece = pieces.last_mut().expect("never empty");
         if piece.is_empty() {
-            piece.push(cut(from));
+            piece.push(cut(from, 0.0));
         }
-        piece.push(cut(to));
+        piece.push(cut(to, 1.0));
         if !(0.0..=1.0).contains(&to) {
             pieces.push(Vec::new());
         }
@@ -293,5 +195,12 @@ mod tests {
         let expected =
             vec![vec![(0.0, 0.5), (0.5, 1.0)], vec![(1.5, 1.0), (2.0, 0.5)], vec![(4.0, 0.2), (5.0, 0.4)]];
         assert_eq!(pieces_inside(&points, y), expected);
+    }
+
+    #[test]
+    fn a_level_line_and_steps_keep_their_corners() {
+        let y = Scale { low: 0.0, high: 1.0, log: false };
+        let steps = vec![(0.0, 0.5), (2.0, 0.5), (2.0, 0.25), (4.0, 0.25)];
+        assert_eq!(pieces_inside(&steps, y), [steps]);
     }
 }

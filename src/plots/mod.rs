@@ -10,8 +10,12 @@ mod lines;
 mod maps;
 mod panels;
 mod scale;
+mod series;
+mod signs;
 
 pub use chart_grid::ChartGrid;
-pub use lines::{Axis, LineChart, Mark, Series, Spread};
+pub use lines::{Axis, LineChart};
 pub use maps::{Map, MapGrid, MapRow};
 pub use panels::{Figure, Panel, Shade};
+pub use series::{Mark, Series, Spread};
+pub use signs::{Shape, Sign};

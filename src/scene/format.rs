@@ -75,6 +75,7 @@ pub(super) struct ObservationSection {
     pub size_px: Option<[usize; 2]>,
     pub offset_px: Option<[usize; 2]>,
     pub noise: Option<f64>,
+    pub variance: Option<PathBuf>,
     pub mask: Option<PathBuf>,
     #[serde(default)]
     pub gain: NumberOrFree,

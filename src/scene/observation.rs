@@ -3,7 +3,8 @@
 use super::format::{NumberOrFree, ObservationSection, VeilValue};
 use super::images::{check_pixels, check_size};
 use super::source::Source;
-use super::{Gain, Observation, Purpose, Veil};
+use super::variance;
+use super::{Gain, Noise, Observation, Purpose, Veil};
 use crate::error::{Error, Result};
 use crate::image::{Channel, Image, View};
 use crate::io::exr::{self, ExrFile};
@@ -105,7 +106,21 @@ pub(super) fn read_observation(
             return Err(Error::NothingToFit(what));
         }
     }
-    let noise = section.noise.map(|v| source.positive("[observation] noise", v)).transpose()?;
+    let noise = match (section.noise, &section.variance) {
+        (Some(_), Some(_)) => {
+            return Err(
+                source.error("[observation] noise and variance: the noise is given twice; leave one out")
+            );
+        }
+        (Some(v), None) => Some(Noise::Level(source.positive("[observation] noise", v)?)),
+        (None, Some(file)) => Some(Noise::Variance(variance::read(
+            &source.resolve(file),
+            &names,
+            (&path, size),
+            mask.as_ref(),
+        )?)),
+        (None, None) => None,
+    };
     let gain = match section.gain {
         NumberOrFree::Number(v) => Gain::Fixed(source.positive("[observation] gain", v)?),
         NumberOrFree::Free => Gain::Free,

@@ -7,13 +7,28 @@
 use super::{Setting, Texture};
 use crate::error::Result;
 use crate::filter::Filter;
-use crate::fit::noise::with_noise;
+use crate::fit::noise::{with_noise, with_variance};
 use crate::fit::scenes::fit_scenes;
 use crate::fit::{ChannelFit, NAMES, Parameters, Settings};
+use crate::image::{Channel, Image};
 use crate::phase::b_of_spread_angle;
-use crate::scene::{Gain, MediumValues, Scene, Veil};
+use crate::scene::{Gain, MediumValues, Noise, Scene, Veil};
 use crate::spread::Model;
 use rayon::prelude::*;
+
+/// The noise of the images, and what the fit is told of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Told {
+    /// One standard deviation for all pixels, which is given.
+    Level,
+    /// The same, to be estimated.
+    Nothing,
+    /// A standard deviation that grows from a third to three times as much from left to right; the variances are given.
+    Variance,
+}
+
+/// How far the standard deviation of uneven noise goes from its mean.
+const UNEVEN: f32 = 3.0;
 
 /// A measurement that is repeated.
 #[derive(Debug, Clone)]
@@ -24,10 +39,10 @@ pub struct Case {
     pub model: Model,
     /// The planes, all behind the same medium.
     pub planes: Vec<Setting>,
-    /// Standard deviation of a pixel.
+    /// Standard deviation of a pixel, of uneven noise the geometric mean.
     pub noise: f64,
-    /// Whether the fit is told so.
-    pub noise_known: bool,
+    /// What the fit is told of it.
+    pub told: Told,
     /// Whether gain and veil of the last plane are fitted.
     pub exposure_free: bool,
 }
@@ -63,8 +78,8 @@ impl Coverage {
     }
 }
 
-/// The cases that are looked at: thin and thick, narrow and wide, clean and noisy, sharp and soft, noise known and not,
-/// exposure known and not.
+/// The cases that are looked at: thin and thick, narrow and wide, clean and noisy, sharp and soft, noise known and not, even
+/// and not, exposure known and not.
 pub fn cases() -> Vec<Case> {
     let b = |degrees: f64| b_of_spread_angle(degrees.to_radians());
     let base = Setting {
@@ -84,12 +99,12 @@ pub fn cases() -> Vec<Case> {
         model: Model::SmallAngle,
         planes: planes.to_vec(),
         noise,
-        noise_known: true,
+        told: Told::Level,
         exposure_free: false,
     };
     vec![
         case("tau 1.4, 7°, checker", &[base], 0.01),
-        Case { noise_known: false, ..case("the same, noise estimated", &[base], 0.01) },
+        Case { told: Told::Nothing, ..case("the same, noise estimated", &[base], 0.01) },
         case("tau .3, thin", &[medium(0.15, 0.05, 7.0)], 0.005),
         case("tau 5, thick", &[medium(2.5, 0.1, 5.0)], 0.001),
         case("noise of 5 %", &[base], 0.02),
@@ -100,6 +115,7 @@ pub fn cases() -> Vec<Case> {
             ..case("30°, wide-angle", &[Setting { pixel_pitch: 0.1, ..medium(0.8, 0.1, 30.0) }], 0.005)
         },
         Case { model: Model::Gaussian, ..case("tau 3, gaussian", &[medium(1.5, 0.1, 6.0)], 0.003) },
+        Case { told: Told::Variance, ..case("noise uneven, variances given", &[base], 0.01) },
     ]
 }
 
@@ -115,18 +131,14 @@ impl Case {
         let mut known = clean.clone();
         for scene in &mut known {
             scene.fit[0].start = truth.map(Some);
-            scene.observation.as_mut().expect("made with one").noise = Some(self.noise);
+            let observation = scene.observation.as_mut().expect("made with one");
+            observation.noise = observation.noise.take().or(Some(Noise::Level(self.noise)));
         }
         let ideal =
             fit_scenes(&known, &Settings { sums: false, ..settings }, Filter::Auto)?.channels.remove(0).1;
         let one = |draw: usize| -> Result<[(f64, Option<f64>); 3]> {
-            let mut scenes = clean.clone();
-            for (i, scene) in scenes.iter_mut().enumerate() {
-                let observation = scene.observation.as_mut().expect("made with one");
-                let image = &mut observation.image[0].image;
-                let own = (draw * self.planes.len() + i) as u64;
-                *image = with_noise(image, self.noise, seed.wrapping_mul(1 << 32).wrapping_add(own));
-            }
+            let first = (draw * self.planes.len()) as u64;
+            let scenes = self.noisy(clean.clone(), seed.wrapping_mul(1 << 32).wrapping_add(first));
             let quiet = Settings { model: self.model, ..Settings::default() };
             let fit = fit_scenes(&scenes, &quiet, Filter::Auto)?.channels.remove(0).1;
             progress();
@@ -136,10 +148,51 @@ impl Case {
         Ok((0..3).map(|i| coverage(i, ideal.uncertainty.std_error(i).unwrap_or(f64::NAN), &all)).collect())
     }
 
+    /// The scenes as they would be measured once.
+    ///
+    /// # Errors
+    /// As [`Setting::render`].
+    pub fn scenes(&self, seed: u64) -> Result<Vec<Scene>> {
+        let clean = self.planes.iter().map(|plane| self.scene(plane)).collect::<Result<_>>()?;
+        Ok(self.noisy(clean, seed))
+    }
+
+    /// `scenes` with the noise of `seed` and the seeds that follow it.
+    fn noisy(&self, mut scenes: Vec<Scene>, seed: u64) -> Vec<Scene> {
+        for (scene, own) in scenes.iter_mut().zip(0..) {
+            let image = &mut scene.observation.as_mut().expect("made with one").image[0].image;
+            *image = self.draw(image, seed.wrapping_add(own));
+        }
+        scenes
+    }
+
+    /// `image` with noise.
+    fn draw(&self, image: &Image, seed: u64) -> Image {
+        match self.told {
+            Told::Level | Told::Nothing => with_noise(image, self.noise, seed),
+            Told::Variance => with_variance(image, &self.variance(image), seed),
+        }
+    }
+
+    /// The variance of each pixel of `image` where noise is uneven.
+    fn variance(&self, image: &Image) -> Image {
+        Image::from_fn(image.width, image.height, |x, _| {
+            let across = 2.0 * (x as f32 + 0.5) / image.width as f32 - 1.0;
+            (self.noise as f32 * UNEVEN.powf(across)).powi(2)
+        })
+    }
+
     fn scene(&self, plane: &Setting) -> Result<Scene> {
-        let mut scene = plane.scene(plane.render(self.model)?, self.noise_known.then_some(self.noise))?;
+        let image = plane.render(self.model)?;
+        let variance = vec![Channel { name: "Y".into(), image: self.variance(&image) }];
+        let mut scene = plane.scene(image, None)?;
+        let observation = scene.observation.as_mut().expect("made with one");
+        observation.noise = match self.told {
+            Told::Level => Some(Noise::Level(self.noise)),
+            Told::Nothing => None,
+            Told::Variance => Some(Noise::Variance(variance)),
+        };
         if self.exposure_free && Some(plane) == self.planes.last() {
-            let observation = scene.observation.as_mut().expect("made with one");
             (observation.gain, observation.veil) = (Gain::Free, Veil::Free);
         }
         Ok(scene)

@@ -2,6 +2,7 @@
 //! fails and whether it says so, and what accuracy costs.
 
 pub mod calibration;
+pub mod chart;
 pub mod setting;
 pub mod stability;
 pub mod sweeps;

@@ -5,7 +5,7 @@ use crate::filter::{Backend, Optics, Target};
 use crate::geometry::Geometry;
 use crate::image::{Border, Channel, Image, View};
 use crate::phase::PhaseFunction;
-use crate::scene::{FitOptions, Gain, MediumValues, Observation, PartialMedium, Scene, Veil};
+use crate::scene::{FitOptions, Gain, MediumValues, Noise, Observation, PartialMedium, Scene, Veil};
 use crate::spread::Model;
 use crate::trace::{ImageConfig, TracedImage, trace_image};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -159,7 +159,7 @@ impl Setting {
             observation: Some(Observation {
                 path: PathBuf::from("plane"),
                 image: gray(observed),
-                noise,
+                noise: noise.map(Noise::Level),
                 mask: None,
                 gain: Gain::Fixed(1.0),
                 veil: Veil::Fixed(0.0),

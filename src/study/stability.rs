@@ -6,7 +6,7 @@
 
 use super::setting::Setting;
 use crate::error::Result;
-use crate::filter::Filter;
+use crate::filter::{Backend, Filter};
 use crate::fit::ladder::climb;
 use crate::fit::scenes::{SceneFit, fit_scenes};
 use crate::fit::{Method as Solver, NAMES, Parameters, Settings, Status};
@@ -19,8 +19,9 @@ use std::time::Instant;
 const FAILURE: f64 = 4.0;
 /// Standard errors within which an estimate is right.
 const RIGHT: f64 = 3.0;
-/// Warnings that say that the model is outside its range.
-const OUTSIDE: [&str; 3] = ["outside_validity", "model_error", "model_error_unknown"];
+/// Warnings that say that a scene is outside what the model is valid for: its angles, its table, or the view, where that shows
+/// too little of the kernel.
+const OUTSIDE: [&str; 4] = ["outside_validity", "model_error", "model_error_unknown", "wide_kernel"];
 /// `--tolerance` of the automatic choice of a model.
 const TOLERANCE: f64 = 0.01;
 
@@ -51,21 +52,29 @@ impl Method {
         }
     }
 
-    /// Fits `scene` and holds the outcome against the `truth`; `compared` are the parameters that have one.
-    pub fn try_on(self, scene: &Scene, setting: &Setting, compared: [bool; 3]) -> Outcome {
-        let clock = Instant::now();
+    /// Fits `scene`.
+    ///
+    /// # Errors
+    /// As [`fit_scenes`].
+    pub fn fit(self, scene: &Scene, backend: Backend) -> Result<SceneFit> {
         let settings = Settings {
             model: self.model.unwrap_or(Model::SmallAngle),
+            backend,
             method: self.solver,
             sums: self.solver == Solver::LevenbergMarquardt,
             ..Settings::default()
         };
         let scenes = std::slice::from_ref(scene);
-        let fit = match self.model {
+        match self.model {
             Some(_) => fit_scenes(scenes, &settings, Filter::Auto),
             None => climb(scenes, &settings, Filter::Auto, TOLERANCE),
-        };
-        let mut outcome = Outcome::new(fit, setting, compared);
+        }
+    }
+
+    /// Fits `scene` and holds the outcome against the `truth`; `compared` are the parameters that have one.
+    pub fn try_on(self, scene: &Scene, setting: &Setting, compared: [bool; 3]) -> Outcome {
+        let clock = Instant::now();
+        let mut outcome = Outcome::new(self.fit(scene, Backend::Cpu), setting, compared);
         outcome.seconds = clock.elapsed().as_secs_f64();
         outcome
     }

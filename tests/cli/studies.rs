@@ -62,6 +62,22 @@ fn a_fit_adds_intervals_by_profile_and_bootstrap() {
 }
 
 #[test]
+fn a_fit_says_what_is_determined_and_what_would_free_the_rest() {
+    let shop = Workshop::new();
+    shop.observe(SCENE);
+    shop.write("scene.toml", &SCENE.replace("[medium]", "gain = \"free\"\n[medium]"));
+    let run = shop.run("fit scene.toml --model small-angle --json");
+    assert_eq!(run.code, 3, "{}", run.stderr);
+    let report: Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!(report["determined"][0]["combination"], "gain·exp(-sigma_a z)");
+    let freeing = report["advice"].as_array().unwrap().iter().filter(|a| a["frees"] == true);
+    let freeing: Vec<&str> = freeing.map(|a| a["measurement"].as_str().unwrap()).collect();
+    assert!(freeing.contains(&"a known gain"), "{freeing:?}");
+    assert!(run.stderr.contains("determined: gain·exp(-sigma_a z) = "), "{}", run.stderr);
+    assert!(run.stderr.contains("advice: a known gain would determine all"), "{}", run.stderr);
+}
+
+#[test]
 fn a_calibration_tabulates_what_it_found() {
     let shop = Workshop::new();
     let run = shop.run("calibrate --draws 2 --out made");

@@ -7,7 +7,7 @@ use narrowbeam::filter::cpu::CpuFilter;
 use narrowbeam::filter::gpu::GpuFilter;
 use narrowbeam::filter::{Backend, Filter, Optics};
 use narrowbeam::fit::scenes::fit_scenes;
-use narrowbeam::fit::{ChannelFit, Datum, NAMES, Settings, VeilTerm, fit_channel};
+use narrowbeam::fit::{ChannelFit, Datum, NAMES, NoiseTerm, Settings, VeilTerm, fit_channel};
 use narrowbeam::image::Image;
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::Gaussian;
@@ -45,11 +45,15 @@ fn assert_same(name: &str, cpu: &ChannelFit, device: &ChannelFit) {
 #[test]
 fn fits_equal_those_of_the_cpu() {
     let mask = Image::from_fn(96, 64, |x, y| if (x / 8 + y / 8) % 5 == 0 { 0.0 } else { 1.0 });
+    let variance = Image::from_fn(96, 64, |x, _| 2.5e-5 * (0.2 + x as f32 / 12.0).powi(2));
+    let plane = || Scene::new("plane", (96, 64), |_, _| 2.0);
+    let uneven = Some(NoiseTerm::Variance(&variance));
     let cases = [
-        ("a plane, all free", Scene::new("plane", (96, 64), |_, _| 2.0), None, VeilTerm::Fixed(0.05)),
-        ("a slope, masked", Scene::slope((96, 64), 96).composite(), Some(&mask), VeilTerm::Free),
+        ("a plane, all free", plane(), None, VeilTerm::Fixed(0.05), None),
+        ("a slope, masked", Scene::slope((96, 64), 96).composite(), Some(&mask), VeilTerm::Free, None),
+        ("uneven noise", plane(), None, VeilTerm::Fixed(0.05), uneven),
     ];
-    for (name, scene, mask, veil) in &cases {
+    for (name, scene, mask, veil, noise) in &cases {
         let image = observed(scene);
         let datum = Datum {
             target: scene.target(),
@@ -58,7 +62,7 @@ fn fits_equal_those_of_the_cpu() {
             hidden_share_max: 0.01,
             gain_error: 0.0,
             depth_error: 0.0,
-            noise: None,
+            noise: *noise,
             gain: if mask.is_some() { Gain::Free } else { Gain::Fixed(f64::from(GAIN)) },
             veil: *veil,
         };
@@ -103,7 +107,7 @@ fn evaluation(side: usize) {
     let cpu = CpuFilter::new(scene.target(), &optics, 1.0).unwrap().render_with_gradient(&optics).unwrap();
     let observed = with_noise(&cpu.image, 0.005, 4);
     let filter = GpuFilter::new(gpu(), scene.target(), &optics, 1.0).unwrap();
-    let observation = filter.observe(observed.data.iter().map(|&y| (y, true))).unwrap();
+    let observation = filter.observe(observed.data.iter().map(|&y| (y, 1.0))).unwrap();
     let device = filter.products(&optics, &observation, [1.0, 0.0], true).unwrap();
     let [s, a, b] = cpu.gradient.unwrap();
     let value = |image: &Image, at: usize| f64::from(image.data[at]);

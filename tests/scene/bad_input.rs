@@ -83,6 +83,30 @@ fn a_bad_radiance_is_named_by_channel_and_pixel() {
 }
 
 #[test]
+fn a_bad_variance_is_named_by_channel_and_pixel() {
+    let folder = Folder::new();
+    let text = with("noise = 0.002", "variance = \"variance.exr\"");
+    folder.refuses(&text, &["variance.exr: cannot be read"]);
+    folder
+        .refuses(&with("noise", "variance = \"variance.exr\"\nnoise"), &["scene.toml", "noise and variance"]);
+    let flat = Image::filled(SEEN.0, SEEN.1, 1e-4);
+    for value in [0.0, -1e-4, f32::NAN, f32::INFINITY] {
+        folder.put("variance.exr", &[("Y", spoilt(flat.clone(), 5, 3, value))]);
+        folder.refuses(&text, &["variance.exr", "channel Y", "pixel (5, 3)"]);
+    }
+    for value in [-1e-4, f32::NAN] {
+        folder.put("variance.exr", &[("Y.variance", spoilt(flat.clone(), 5, 3, value))]);
+        folder.refuses(&text, &["variance.exr", "channel Y.variance", "pixel (5, 3)"]);
+    }
+    folder.put("variance.exr", &[("Y.variance", Image::filled(SEEN.0, SEEN.1, 0.0))]);
+    folder.refuses(&text, &["variance.exr", "pixel (0, 0)", "more samples"]);
+    folder.put("variance.exr", &[("Y", Image::filled(SEEN.0 + 1, SEEN.1, 1e-4))]);
+    folder.refuses(&text, &["variance.exr: is 9x6 px", "8x6 px"]);
+    folder.put("variance.exr", &[("R", flat)]);
+    folder.refuses(&text, &["variance.exr", "has no channel Y"]);
+}
+
+#[test]
 fn nan_in_a_distance_is_named_by_pixel() {
     let folder = Folder::new();
     folder.put("depth.exr", &[("Z", spoilt(Image::filled(12, 10, 2.0), 1, 9, f32::NAN))]);

@@ -3,18 +3,43 @@
 use crate::folder::{Folder, SCENE, SEEN, SIZE, spoilt, texture, with};
 use narrowbeam::geometry::Field;
 use narrowbeam::image::{Image, View};
-use narrowbeam::scene::{Gain, PartialMedium, Purpose, Veil, read_truth};
+use narrowbeam::scene::{Gain, Noise, PartialMedium, Purpose, Veil, read_truth};
 
 #[test]
 fn a_sound_scene_is_read() {
     let folder = Folder::new();
     let scene = folder.read(SCENE, Purpose::Fit).unwrap();
     let observation = scene.observation.as_ref().unwrap();
-    assert_eq!((observation.noise, observation.gain), (Some(0.002), Gain::Fixed(1.0)));
+    assert_eq!((observation.noise.clone(), observation.gain), (Some(Noise::Level(0.002)), Gain::Fixed(1.0)));
     assert_eq!(observation.veil, Veil::Fixed(0.0));
     assert_eq!(scene.view, View { x: 2, y: 2, width: 8, height: 6 });
     assert_eq!(scene.geometry.path_length(3, 4), Some(2.0));
     assert_eq!(scene.medium_values(PartialMedium::default()).unwrap()[0].shape, 0.0049);
+}
+
+#[test]
+fn variances_are_known_or_estimated_with_the_image() {
+    let folder = Folder::new();
+    let text = with("noise = 0.002", "variance = \"variance.exr\"");
+    let variance = |channels: &[(&str, Image)]| {
+        folder.put("variance.exr", channels);
+        match folder.read(&text, Purpose::Fit).unwrap().observation.unwrap().noise {
+            Some(Noise::Variance(mut channels)) => channels.remove(0),
+            other => panic!("{other:?}"),
+        }
+    };
+    let one_louder = spoilt(Image::filled(SEEN.0, SEEN.1, 1e-4), 3, 2, 9e-4);
+    let known = variance(&[("Y", one_louder.clone())]);
+    assert_eq!((known.name.as_str(), &known.image), ("Y", &one_louder));
+    // An estimate beside the image gives way to the mean over the eight neighbours.
+    let estimated = variance(&[("Y", texture(SEEN)), ("Y.variance", one_louder)]);
+    assert_eq!(estimated.name, "Y");
+    assert!((estimated.image.at(3, 2) - 1e-4).abs() < 1e-10);
+    assert!((estimated.image.at(4, 2) - 2e-4).abs() < 1e-10);
+    assert!((estimated.image.at(6, 2) - 1e-4).abs() < 1e-10);
+    // What the mask excludes need not have a variance.
+    folder.put("mask.exr", &[("Y", spoilt(Image::filled(SEEN.0, SEEN.1, 1.0), 5, 5, 0.0))]);
+    variance(&[("Y", spoilt(Image::filled(SEEN.0, SEEN.1, 1e-4), 5, 5, f32::NAN))]);
 }
 
 #[test]

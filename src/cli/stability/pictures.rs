@@ -116,7 +116,7 @@ fn curves(trials: &[Trial]) -> ChartGrid {
         media.into_iter().map(|b| chart(&here, b, label, log)).collect()
     };
     ChartGrid {
-        title: "Worst error of sigma_s, sigma_a z and B, tau 1.5, images traced; allowed: 4 standard errors + model error".into(),
+        title: "Worst error of sigma_s, sigma_a z and B; tau 1.5, images traced".into(),
         rows: CURVES.iter().map(row).collect(),
     }
 }
@@ -135,7 +135,7 @@ fn chart(trials: &[&Trial], b: f64, label: &str, log: bool) -> LineChart {
         .collect();
     let wide = here().filter(|t| t.method.name() == "wide-angle");
     let allowed = wide.filter_map(|t| Some((t.level, 100.0 * t.outcome.allowed()?)));
-    series.push(Series::line("allowed for wide-angle", allowed.collect()));
+    series.push(Series::line("wide-angle: 4 standard errors + model error", allowed.collect()));
     LineChart {
         title: format!("spread angle {:.0}°", (4.0 * b).sqrt().to_degrees()),
         x: Axis { label: label.into(), log },

@@ -56,7 +56,7 @@ struct Resident {
     pairs: std::cell::RefCell<[Buffer; 3]>,
 }
 
-/// An observation on the device: values, and which of them count.
+/// An observation on the device: values and weights.
 pub struct GpuObservation {
     pixels: Buffer,
 }
@@ -166,16 +166,16 @@ impl<'a> GpuFilter<'a> {
         Ok(super::cpu::Rendering { image: plane(0), gradient: Some([plane(1), plane(2), plane(3)]) })
     }
 
-    /// Uploads an observation over the view; `counts` tells which of its `pixels` do.
+    /// Uploads an observation over the view: the value of each of its `pixels`, and its weight, 0 where it does not count.
     ///
     /// # Errors
     /// [`Error::Gpu`](crate::Error::Gpu) if the device cannot hold it.
-    pub fn observe(&self, pixels: impl Iterator<Item = (f32, bool)>) -> Result<GpuObservation> {
-        let pixels: Vec<[f32; 2]> = pixels.map(|(y, counts)| [y, f32::from(u8::from(counts))]).collect();
+    pub fn observe(&self, pixels: impl Iterator<Item = (f32, f32)>) -> Result<GpuObservation> {
+        let pixels: Vec<[f32; 2]> = pixels.map(|(y, weight)| [y, weight]).collect();
         Ok(GpuObservation { pixels: self.gpu.upload("the observed image", &pixels)? })
     }
 
-    /// Sums over the pixels of `observation` that count of the products of six images: the render m, its derivatives
+    /// Weighted sums over the pixels of `observation` of the products of six images: the render m, its derivatives
     /// in sigma_s, sigma_a and B (0 unless wanted), the residual gain · m + veil - y, and 1.
     ///
     /// # Errors

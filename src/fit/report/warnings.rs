@@ -12,6 +12,8 @@ use nalgebra::Vector3;
 /// Width of the kernel in views above which the image does not tell its shape: Henyey-Greenstein's lobes of g = .8 then pass
 /// for a Gaussian with 20 % less scattering (docs/stability.md).
 const WIDE_KERNEL: f64 = 0.5;
+/// Standard errors by which the data must want a parameter beyond its bound before that is no accident.
+const PRESSED: f64 = 3.0;
 /// Predicted error of a logarithm, or of sigma_a z, above which a model is said to be the wrong one.
 const LARGE_MODEL_ERROR: f64 = 0.1;
 
@@ -28,7 +30,7 @@ pub(super) fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warn
         let names: Vec<String> = lost.iter().map(|&i| format!("{}{suffix}", names[i])).collect();
         warn(
             "undetermined",
-            format!("the data do not determine {}: {}", names.join(" and "), why(fit, &lost, model)),
+            format!("the data do not determine {}: {}", names.join(" and "), why(fit, model)),
         );
     }
     if fit.cut {
@@ -81,14 +83,22 @@ pub(super) fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warn
             ),
         );
     }
-    let on = fit.parameters.at_bound();
-    let pressed: Vec<String> = on
-        .iter()
-        .filter(|&&i| !(i == 1 && fit.parameters.values()[1] == 0.0))
-        .map(|&i| format!("{}{suffix}", names[i]))
+    let pressed = |&i: &usize| fit.uncertainty.std_error(i).is_some_and(|e| fit.pull[i].abs() > PRESSED * e);
+    let pressed: Vec<String> = fit
+        .parameters
+        .at_bound()
+        .into_iter()
+        .filter(pressed)
+        .map(|i| format!("{}{suffix}", names[i]))
         .collect();
     if !pressed.is_empty() {
-        warn("at_bound", format!("on a bound, where the interval is cut: {}", pressed.join(", ")));
+        warn(
+            "at_bound",
+            format!(
+                "on a bound, beyond which the data want it, and where the interval is cut: {}",
+                pressed.join(", ")
+            ),
+        );
     }
     let free = |i: &usize| fit.uncertainty.status(*i) == Status::Free;
     match &fit.model_error {
@@ -131,18 +141,19 @@ pub(super) fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warn
     all
 }
 
-/// Why `lost` parameters are undetermined, and what would help.
-fn why(fit: &ChannelFit, lost: &[usize], model: Model) -> &'static str {
-    let free_gain = fit.exposures.iter().any(|e| e.gain_error.is_none() && fit.free_gain);
+/// Why parameters are undetermined, and what is known all the same.
+fn why(fit: &ChannelFit, model: Model) -> String {
     if !model.spreads() {
-        "direct light alone shows only sigma_t; fix sigma_s or sigma_a, or use a model that spreads light"
-    } else if lost == [1] && free_gain {
-        "with a free gain of its own, a scene at one depth cannot tell absorption from exposure; give the gain of one \
-         scene, or use an object that spans depths"
-    } else if lost.contains(&0) && lost.contains(&2) {
-        "they trade against each other; only their product (derived.sigma_s_b, or sigma_s_reduced) may be known; a second \
-         depth, a sharper object or less noise would part them"
+        return "direct light alone shows only sigma_t; fix sigma_s or sigma_a, or use a model that spreads light".into();
+    }
+    let known: Vec<String> = fit
+        .determined
+        .iter()
+        .map(|c| format!("{} = {} ± {}", c.combination, significant(c.value), significant(c.std_error)))
+        .collect();
+    if known.is_empty() {
+        "the noise allows almost any value".into()
     } else {
-        "the noise allows it almost any value; a longer exposure, a sharper object or another depth would help"
+        format!("only {}", known.join(", "))
     }
 }

@@ -27,7 +27,7 @@ pub fn sums(sums: &Sums, planes: &[f32], observed: &[[f32; 2]], groups: usize) -
                 let mut product = 0;
                 for i in 0..6 {
                     for j in 0..=i {
-                        mine[product] = plus(mine[product], all[i] * all[j]);
+                        mine[product] = plus(mine[product], here[1] * all[i] * all[j]);
                         product += 1;
                     }
                 }

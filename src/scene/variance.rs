@@ -1,0 +1,85 @@
+//! `[observation] variance`: the variance of each pixel, known or estimated.
+//!
+//! Channels of the observation's own names (`Y`, or `R`, `G`, `B`) are variances that are known. `Y.variance` and so on, as
+//! `narrowbeam trace` writes them, were estimated from the samples that made the image, and go with its noise: pixels that came
+//! out bright came out with a large variance, so least squares would trust the dark ones more, and its estimate be off by about
+//! sqrt(pixels / samples) times the skewness of a sample, in standard errors. The mean over a pixel's neighbours knows nothing
+//! of the pixel's own noise, and takes the place of such an estimate.
+
+use super::images::{check_pixels, check_size};
+use crate::error::Result;
+use crate::image::{Channel, Image};
+use crate::io::exr::ExrFile;
+use std::path::Path;
+
+/// Largest variance that is believed, the square of the largest radiance, and the inverse of the least.
+const LARGEST: f32 = 1e30;
+
+/// The variance of each pixel of the channels `names` of the observed image, whose path and size is `observed`; 1 where the
+/// mask excludes it.
+pub(super) fn read(
+    path: &Path,
+    names: &[&str],
+    observed: (&Path, (usize, usize)),
+    mask: Option<&Image>,
+) -> Result<Vec<Channel>> {
+    let file = ExrFile::read(path)?;
+    let counts = |i: usize| mask.is_none_or(|m| m.data[i] > 0.0);
+    let estimated: Result<Vec<Channel>> =
+        names.iter().map(|name| file.named(&format!("{name}.variance"))).collect();
+    let (mut variance, are_estimates) = match estimated {
+        Ok(found) => (found, true),
+        Err(_) => (file.channels(names)?, false),
+    };
+    for (channel, name) in variance.iter_mut().zip(names) {
+        let what = format!("the observed image {}", observed.0.display());
+        check_size(path, &channel.image, observed.1, &what)?;
+        let data = &mut channel.image.data;
+        data.iter_mut().enumerate().filter(|(i, _)| !counts(*i)).for_each(|(_, v)| *v = 1.0);
+        if are_estimates {
+            let allowed = "a variance, at least 0, where the mask does not exclude the pixel";
+            check_pixels(path, channel, allowed, |v| v >= 0.0)?;
+            channel.image = of_neighbours(&channel.image, counts);
+        }
+        let allowed = if are_estimates {
+            "from 1e-30 to 1e30 in the mean over its neighbours; let the mask exclude the pixel, or trace more samples"
+        } else {
+            "a variance from 1e-30 to 1e30 where the mask does not exclude the pixel"
+        };
+        check_pixels(path, channel, allowed, |v| (1.0 / LARGEST..=LARGEST).contains(&v))?;
+        channel.name = name.to_string();
+    }
+    Ok(variance)
+}
+
+/// Each pixel the mean of those of its eight neighbours that count, NaN if none does; 1 where it does not count itself.
+fn of_neighbours(image: &Image, counts: impl Fn(usize) -> bool) -> Image {
+    let (width, height) = (image.width, image.height);
+    Image::from_fn(width, height, |x, y| {
+        if !counts(y * width + x) {
+            return 1.0;
+        }
+        let rows = y.saturating_sub(1)..(y + 2).min(height);
+        let around = rows.flat_map(|v| (x.saturating_sub(1)..(x + 2).min(width)).map(move |u| (u, v)));
+        let known: Vec<f64> = around
+            .filter(|&(u, v)| (u, v) != (x, y) && counts(v * width + u))
+            .map(|(u, v)| f64::from(image.at(u, v)))
+            .collect();
+        (known.iter().sum::<f64>() / known.len() as f64) as f32
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mean_of_the_neighbours_leaves_out_the_pixel_and_what_does_not_count() {
+        let image = Image::from_fn(3, 3, |x, y| (3 * y + x) as f32);
+        let mean = of_neighbours(&image, |i| i != 8);
+        assert_eq!(mean.at(1, 1), (1 + 2 + 3 + 5 + 6 + 7) as f32 / 7.0);
+        assert_eq!(mean.at(0, 0), (1 + 3 + 4) as f32 / 3.0);
+        assert_eq!(mean.at(2, 2), 1.0);
+        assert!(of_neighbours(&image, |i| i == 4).at(1, 1).is_nan());
+    }
+}
