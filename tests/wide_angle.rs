@@ -123,7 +123,7 @@ fn any_g(share: f64) -> (f64, Lobe) {
     (g, hg(g))
 }
 
-/// Asserts that no error is above the `bound` by more than the noise of the comparison may make of it.
+/// Asserts that no error is above `bound` by more than the noise of the comparison may make of it.
 fn hold(errors: &[(Estimate, String, f64)], bound: f64) {
     let beyond = |error: &Estimate| error.value - NORMAL * error.std_error;
     let worst = errors.iter().max_by(|a, b| beyond(&a.0).total_cmp(&beyond(&b.0))).unwrap();

@@ -1,7 +1,7 @@
 //! No more model than a scene needs: from the cheapest model up, the first that suffices.
 //!
 //! A model suffices if its fit converged and determines what is free, and if its predicted error
-//! ([`ModelError`](super::ModelError)) stays under the tolerance or under half the standard error, and in the image under
+//! ([`ModelError`]) stays under the tolerance or under half the standard error, and in the image under
 //! the noise of a pixel. If the residual alone speaks against it, BIC decides between it and the next: a misfit that the
 //! next model does not mend is none of the model's.
 
