@@ -95,13 +95,15 @@ trait Paths {
     fn count(&self) -> u64;
 }
 
+/// Parameter values, and what both halves of the paths rendered there.
+type Latest = ([f64; 3], Rc<[Rendering; 2]>);
+
 /// A scene with its paths.
 pub(super) struct Traced<'a> {
     paths: Box<dyn Paths + 'a>,
     /// Coordinates between which a step is trusted.
     pub trust: [Bounds; 3],
-    /// Parameter values, and what both halves of the paths rendered there.
-    latest: RefCell<Option<([f64; 3], Rc<[Rendering; 2]>)>>,
+    latest: RefCell<Option<Latest>>,
 }
 
 impl<'a> Traced<'a> {
