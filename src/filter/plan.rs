@@ -8,6 +8,7 @@ use super::{Optics, Target};
 use crate::error::Result;
 use crate::image::Border;
 use crate::relief::{Relief, Screen};
+use crate::spread::Model;
 
 /// How far a plan serves some kernels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,9 +22,11 @@ pub struct Coverage {
 
 /// Share of a kernel's light that may fall beyond the padding.
 const OUTSIDE: f64 = 1e-5;
-/// Share that may come back to the object image from there, where light falls like 1/r without end, as that of
-/// Henyey-Greenstein's lobes does in small-angle theory: it is spread over all of the padded image.
+/// Share that may come back to the object image from there, where light falls slowly, as that of Henyey-Greenstein's lobes does
+/// in small-angle theory (like 1/r) and that of grazing paths in `wide-angle`: it is spread over all of the padded image.
 const RETURNED: f64 = 2e-4;
+/// Share of such light that may fall beyond the padding where the border goes on: half of the error of `wide-angle`.
+const FAR: f64 = 1e-3;
 /// Largest error of the slices' transfer functions, as a share of the scattered light.
 const SLICE_TOLERANCE: f64 = 1e-4;
 /// What to tell a user of [`Coverage::cut`].
@@ -157,11 +160,12 @@ fn per_segment(
 fn reach_px<'s>(slices: impl Iterator<Item = &'s Slices>, optics: &Optics, target: &Target) -> Result<f64> {
     let most = most_reach(target);
     let side = target.radiance.width.max(target.radiance.height) as f64;
-    let endless = optics.phase.planar_second_moment().is_none() && target.border == Border::Zero;
-    let outside = |r: f64| match r {
+    let slow = optics.model == Model::WideAngle || optics.phase.planar_second_moment().is_none();
+    let outside = |r: f64| match (slow, target.border) {
         _ if r > most => 1.0,
-        _ if endless => RETURNED * (r / side).powi(2).max(1.0),
-        _ => OUTSIDE,
+        (false, _) => OUTSIDE,
+        (true, Border::Zero) => RETURNED * (r / side).powi(2).max(1.0),
+        (true, _) => FAR,
     };
     let mut reach: f64 = 0.0;
     for node in slices.flat_map(|s| &s.nodes) {

@@ -14,6 +14,8 @@ use nalgebra::Vector3;
 const WIDE_KERNEL: f64 = 0.5;
 /// Standard errors by which the data must want a parameter beyond its bound before that is no accident.
 const PRESSED: f64 = 3.0;
+/// tau up to which fits by `traced` are known to come back (tests/traced.rs).
+const THICKEST: f64 = 12.0;
 /// Predicted error of a logarithm, or of sigma_a z, above which a model is said to be the wrong one.
 const LARGE_MODEL_ERROR: f64 = 0.1;
 
@@ -135,6 +137,16 @@ pub(super) fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warn
                  transfer function is off by {} here, which the residual does not show; the stated model error, which \
                  the intervals hold, is a prediction of first order; use --model wide-angle or auto",
                 small_angle_error(validity)
+            ),
+        );
+    }
+    let tau = sigma_s * fit.median_z;
+    if model == Model::Traced && tau > THICKEST {
+        warn(
+            "outside_validity",
+            format!(
+                "tau{suffix} = {tau:.1} is above {THICKEST}: fits of so thick media by {model} have ended in media that are \
+                 wrong by far more than they state; look at less depth"
             ),
         );
     }
