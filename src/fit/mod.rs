@@ -6,17 +6,21 @@
 //! (ln sigma_s, sigma_a, ln B), or ln(1 - g) in place of ln B for Henyey-Greenstein's phase function.
 
 mod advice;
+mod channel_fit;
 mod comparison;
 mod datum;
 mod displacement;
 mod equations;
 mod exposure;
+mod foresee;
 mod identifiability;
 mod input_error;
 mod intervals;
 mod model_error;
 mod observed;
 mod parameters;
+mod path_lengths;
+mod problem;
 mod renders;
 mod search;
 mod solver;
@@ -33,31 +37,33 @@ pub mod report;
 pub mod scenes;
 
 pub use advice::{Advice, advise};
+pub use channel_fit::ChannelFit;
 pub use datum::{Datum, NoiseTerm, VeilTerm};
 pub use exposure::Exposure;
 pub use identifiability::Combination;
 pub use input_error::InputError;
 pub use intervals::{Intervals, bootstrap, profile};
 pub use model_error::ModelError;
-pub use parameters::{Bounds, NAMES, Parameters, PathLengths, names};
+pub use parameters::{Bounds, NAMES, Parameters, names};
+pub use path_lengths::{PathLengths, path_lengths};
 
 pub use solver::Method;
 pub use traced::{MOST_PATHS, Tracing, render_traced};
 pub use uncertainty::{Status, Uncertainty};
 
-use crate::error::{Error, Result};
-use crate::filter::{Backend, Coverage, Optics, hidden_share};
+use crate::error::Result;
+use crate::filter::{Backend, Coverage, hidden_share};
 use crate::geometry::Geometry;
 use crate::image::Image;
-use crate::medium::Medium;
 use crate::relief::Relief;
 use crate::scene::{FitOptions, Gain};
 use crate::spread::Model;
 use displacement::Displacement;
-use equations::{NormalEquations, Products};
 use exposure::exposures;
+use foresee::foresee;
 use nalgebra::Vector3;
 use observed::Observed;
+use problem::{Problem, Source, with_optics};
 use renders::Renders;
 use start::Split;
 use sums::Sums;
@@ -102,94 +108,6 @@ impl Default for Settings<'_> {
     }
 }
 
-/// The fit of one channel.
-#[derive(Debug, Clone)]
-pub struct ChannelFit {
-    /// The spread model.
-    pub model: Model,
-    /// Where the fit began.
-    pub start: [f64; 3],
-    /// sigma_s, sigma_a (1/length) and the shape of the phase function, B (rad²) or g, found, with what was free and the bounds.
-    pub parameters: Parameters,
-    /// Their covariance and what the data leave undetermined.
-    pub uncertainty: Uncertainty,
-    /// What the model's own error does to them; `None` where it is not known.
-    pub model_error: Option<ModelError>,
-    /// What errors of the input do to them.
-    pub input_error: InputError,
-    /// How far the data would move the coordinates on from the optimum, were there no bounds: a Gauss-Newton step.
-    pub pull: Vector3<f64>,
-    /// By how many standard deviations blocks of residuals exceed what noise leaves in them.
-    pub structure: f64,
-    /// Gain, veil, noise and chi² of each scene.
-    pub exposures: Vec<Exposure>,
-    /// Half the sum of squared residuals in units of the noise.
-    pub cost: f64,
-    /// Sum of squared residuals over pixels minus fitted numbers.
-    pub reduced_chi2: f64,
-    /// Numbers that were fitted: free parameters, gains and veils.
-    pub fitted: usize,
-    /// Pixels that counted.
-    pub pixels: usize,
-    /// Pixels left out because of hidden light.
-    pub hidden_pixels: usize,
-    /// Median path length over all scenes, length.
-    pub median_z: f64,
-    /// Median length of a pixel at the object of the first scene.
-    pub pixel_pitch: f64,
-    /// Shorter side of the first scene's view, px.
-    pub view_px: usize,
-    /// Whether the optimiser converged.
-    pub converged: bool,
-    /// Whether the noise of the scenes, the planning of the renders and the pixels left out settled.
-    pub settled: bool,
-    /// Whether the kernels reach beyond the padding, [`Coverage::cut`](crate::filter::Coverage).
-    pub cut: bool,
-    /// Why it stopped.
-    pub stop: String,
-    /// Iterations of the optimiser.
-    pub iterations: u64,
-    /// Renders, with and without derivatives.
-    pub evaluations: u64,
-    /// sigma_s, sigma_a and the shape as sums over the image had them, before renders confirmed them; `None` if renders alone found
-    /// the optimum.
-    pub by_sums: Option<[f64; 3]>,
-    /// Evaluations by sums.
-    pub sum_evaluations: u64,
-    /// Real 2-D FFTs of one evaluation with derivatives, over all scenes.
-    pub transforms: usize,
-    /// Paths traced in all, and the least share of those of a scene that carries the weight at the best fit; `None` but for the model
-    /// `traced`.
-    pub paths: Option<(u64, f64)>,
-    /// Whether some scene's gain was free.
-    pub free_gain: bool,
-    /// Each scene's best fit, gain · object light + veil, over its view: to compare with the observation.
-    pub renders: Vec<Image>,
-    /// Share of hidden light of each scene's pixels at the best fit; `None` for a scene in which nothing is hidden.
-    pub hidden_shares: Vec<Option<Image>>,
-    /// What the data determine where they leave a parameter open, or hold two only together.
-    pub determined: Vec<Combination>,
-}
-
-impl ChannelFit {
-    /// Akaike's information criterion, chi² + 2 k with k fitted numbers (Akaike 1974): the log-likelihood of a normal noise
-    /// that is known, or held at its estimate.
-    pub fn aic(&self) -> f64 {
-        2.0 * self.cost + 2.0 * self.fitted as f64
-    }
-
-    /// Variance of the linear function `gradient`·u of the coordinates by noise and by errors of the input; `None` if the
-    /// data do not decide it.
-    pub fn variance_of(&self, gradient: &Vector3<f64>) -> Option<f64> {
-        Some(self.uncertainty.variance_of(gradient)? + self.input_error.variance_of(gradient))
-    }
-
-    /// Bayesian information criterion, chi² + k ln n over n pixels (Schwarz 1978).
-    pub fn bic(&self) -> f64 {
-        2.0 * self.cost + self.fitted as f64 * (self.pixels as f64).ln()
-    }
-}
-
 /// How much wider than at the start the kernels may become before a fit is planned anew.
 pub const HEADROOM: f64 = 1.4;
 /// Reduced chi² above which a fit is said not to describe the image: half as much misfit as noise.
@@ -208,8 +126,8 @@ const MOST_TRACED_ROUNDS: usize = 16;
 /// Edges and slopes explain a misfit in another way, so scenes that have some are not tried again.
 ///
 /// # Errors
-/// [`Error::NothingToFit`] if no pixel counts or every parameter is fixed, [`Error::OutOfRange`] for contradictory
-/// options, [`Error::NotFinite`] if a render is not finite, those of [`Model::range`].
+/// [`Error::NothingToFit`](crate::Error::NothingToFit) if no pixel counts or every parameter is fixed, [`Error::OutOfRange`](crate::Error::OutOfRange) for contradictory
+/// options, [`Error::NotFinite`](crate::Error::NotFinite) if a render is not finite, those of [`Model::range`].
 pub fn fit_channel(data: &[Datum], options: &FitOptions, settings: &Settings) -> Result<ChannelFit> {
     let observed = data.iter().map(Observed::new).collect::<Result<Vec<_>>>()?;
     if settings.model == Model::Traced {
@@ -386,137 +304,6 @@ fn fit_from<'a>(
     }
 }
 
-/// What `settings.model` would know, and what its error would be, at the medium of another model's fit `pilot`: one render
-/// instead of a fit. `None` where the model has no kernels or nothing to fit.
-fn foresee<'a>(
-    data: &[Datum<'a>],
-    options: &FitOptions,
-    settings: &Settings<'a>,
-    pilot: &ChannelFit,
-) -> Result<Option<(Parameters, Uncertainty, Option<ModelError>)>> {
-    let scenes: Vec<&Geometry> = data.iter().map(|d| d.target.geometry).collect();
-    let mut parameters = match Parameters::new(options, settings.model, path_lengths(&scenes)) {
-        Err(error) if error.is_about_model() => return Ok(None),
-        parameters => parameters?,
-    };
-    parameters.set_internal(&pilot.parameters.internal());
-    let mut observed = data.iter().map(Observed::new).collect::<Result<Vec<_>>>()?;
-    for ((o, exposure), share) in observed.iter_mut().zip(&pilot.exposures).zip(&pilot.hidden_shares) {
-        o.noise = exposure.noise;
-        if let Some(share) = share {
-            o.leave_out_hidden(share)?;
-        }
-    }
-    let mut renders = Renders::new(data, &observed, &parameters, settings)?;
-    let problem = Problem::new(Source::Renders(&renders), &observed, &parameters, settings);
-    let equations = problem.equations(&parameters.internal())?;
-    let uncertainty = Uncertainty::new(&equations, &parameters, pilot.median_z, 1.0);
-    let error = ModelError::new(&mut Displacement {
-        data,
-        observed: &observed,
-        renders: &mut renders,
-        parameters: &parameters,
-        uncertainty: &uncertainty,
-        exposures: &pilot.exposures,
-        settings,
-    })?;
-    Ok(Some((parameters, uncertainty, error)))
-}
-
-/// What the sums of products of a problem come from.
-#[derive(Clone, Copy)]
-enum Source<'a> {
-    Renders(&'a Renders<'a>),
-    /// One batch of the paths of the model `traced` against all others.
-    Batch(&'a Renders<'a>, usize),
-    Sums(&'a [Sums<'a>]),
-}
-
-/// The optimisation problem handed to a solver: parameters in, normal equations out.
-pub(crate) struct Problem<'a> {
-    source: Source<'a>,
-    observed: &'a [Observed<'a>],
-    parameters: &'a Parameters,
-    settings: &'a Settings<'a>,
-}
-
-impl<'a> Problem<'a> {
-    fn new(
-        source: Source<'a>,
-        observed: &'a [Observed<'a>],
-        parameters: &'a Parameters,
-        settings: &'a Settings<'a>,
-    ) -> Self {
-        Self { source, observed, parameters, settings }
-    }
-
-    pub(crate) fn parameters(&self) -> &Parameters {
-        self.parameters
-    }
-
-    /// Bounds of the coordinates, and of what is trusted of the source.
-    pub(crate) fn bounds(&self) -> [Bounds; 3] {
-        let bounds = self.parameters.internal_bounds();
-        match self.source {
-            Source::Renders(renders) => renders::within(bounds, renders.trust()),
-            _ => bounds,
-        }
-    }
-
-    /// Cost, gradient and Gauss-Newton matrix at the internal point `u`.
-    pub(crate) fn equations(&self, u: &[f64; 3]) -> Result<NormalEquations> {
-        let parameters = self.parameters.at(u);
-        let products = match self.source {
-            Source::Renders(renders) => renders.products(&parameters, self.settings, self.observed)?,
-            Source::Batch(renders, batch) => renders.products_of_batch(&parameters, self.observed, batch)?,
-            Source::Sums(sums) => with_optics(&parameters, self.settings.model, |optics| {
-                sums.iter().map(|s| s.products(optics)).collect()
-            })?,
-        };
-        finite(self.compare(&products, self.parameters.chain(u)), &parameters)
-    }
-
-    /// Cost alone at the internal point `u`.
-    pub(crate) fn cost(&self, u: &[f64; 3]) -> Result<f64> {
-        match self.source {
-            Source::Renders(renders) => {
-                let products = renders.levels(&self.parameters.at(u), self.settings, self.observed)?;
-                Ok(self.compare(&products, [0.0; 3]).cost)
-            }
-            Source::Batch(..) | Source::Sums(_) => Ok(self.equations(u)?.cost),
-        }
-    }
-
-    fn compare(&self, products: &[Products], chain: [f64; 3]) -> NormalEquations {
-        let mut sum = NormalEquations::default();
-        for (observed, products) in self.observed.iter().zip(products) {
-            sum.add(observed.compare(products, chain));
-        }
-        sum
-    }
-}
-
-fn finite(equations: NormalEquations, parameters: &Parameters) -> Result<NormalEquations> {
-    if equations.is_finite() {
-        Ok(equations)
-    } else {
-        let place: Vec<String> =
-            parameters.names().iter().zip(parameters.values()).map(|(n, v)| format!("{n} = {v}")).collect();
-        Err(Error::NotFinite(format!("the cost is not finite at {}", place.join(", "))))
-    }
-}
-
-/// Calls `f` with the optics that the parameter values describe.
-pub(crate) fn with_optics<T>(
-    parameters: &Parameters,
-    model: Model,
-    f: impl FnOnce(&Optics) -> Result<T>,
-) -> Result<T> {
-    let [sigma_s, sigma_a, shape] = parameters.values();
-    let phase = parameters.family().lobe(shape)?;
-    f(&Optics { model, medium: Medium::new(sigma_s, sigma_a)?, phase: &phase })
-}
-
 /// Each scene's share of hidden light.
 fn hidden_shares<'a>(
     data: &[Datum<'a>],
@@ -529,26 +316,4 @@ fn hidden_shares<'a>(
             |d: &Datum<'a>| hides(d).then(|| hidden_share(&d.target, optics, settings.backend)).transpose();
         data.iter().map(share).collect()
     })
-}
-
-/// Path lengths over the pixels of all scenes; a flat scene counts as many times as it has pixels.
-///
-/// # Panics
-/// If no scene shows an object.
-pub fn path_lengths(scenes: &[&Geometry]) -> PathLengths {
-    let mut weighted: Vec<(f64, usize)> = Vec::new();
-    for geometry in scenes {
-        let lengths = geometry.path_lengths();
-        let weight = if lengths.len() == 1 { geometry.width * geometry.height } else { 1 };
-        weighted.extend(lengths.into_iter().map(|z| (z, weight)));
-    }
-    weighted.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let half = weighted.iter().map(|(_, weight)| weight).sum::<usize>() / 2;
-    let mut passed = 0;
-    let reached = |&&(_, weight): &&(f64, usize)| {
-        passed += weight;
-        passed > half
-    };
-    let median = weighted.iter().find(reached).expect("checked: every scene shows an object").0;
-    PathLengths { median, longest: weighted[weighted.len() - 1].0 }
 }

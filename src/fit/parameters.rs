@@ -4,6 +4,7 @@
 //! absorption linear because 0 is a value that it takes. The third is the shape of the phase function, whose
 //! [`Family`] says how.
 
+use super::PathLengths;
 use crate::error::{Error, Result, in_range};
 use crate::phase::Family;
 use crate::scene::FitOptions;
@@ -29,15 +30,6 @@ pub struct Parameters {
     /// The shape of a model that has no width: a value that means nothing.
     unused_shape: bool,
     bounds: [Bounds; 3],
-}
-
-/// Path lengths of all pixels of all scenes, length.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PathLengths {
-    /// Their median.
-    pub median: f64,
-    /// The longest.
-    pub longest: f64,
 }
 
 /// Default bounds of sigma_s and sigma_a in units of the median path length z.
