@@ -20,7 +20,7 @@ pub(super) struct Arguments {
     /// Seed of tracing and noise
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// A coarse look in less than a minute
+    /// A coarse look in two minutes
     #[arg(long)]
     quick: bool,
 }

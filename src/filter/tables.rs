@@ -97,7 +97,8 @@ fn accumulate(sum: &mut Lanes, weight: f32, value: &Lanes) {
     }
 }
 
-/// A function of |w| that varies as a kernel does, tabulated over 0 ≤ |w| ≤ sqrt(2) pi and interpolated by cubics through four neighbours.
+/// A function of |w| that varies as a kernel does, tabulated over 0 ≤ |w| ≤ sqrt(2) pi and interpolated by cubics through four
+/// neighbours.
 pub struct RadialTable {
     per_w: f64,
     /// The first entry lies one step before 0, where s, being even, equals the second after it.

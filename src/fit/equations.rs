@@ -65,9 +65,9 @@ impl NormalEquations {
     }
 }
 
-/// Sums over the pixels that count, each with its weight, of the products of six images: a render m, its derivatives in sigma_s, sigma_a and B,
-/// the residual r = gain · m + veil - y at a reference exposure, and 1. All that a fit asks of a scene follows from
-/// them. Near the best exposure r is small, so nothing cancels.
+/// Sums over the pixels that count, each with its weight, of the products of six images: a render m, its derivatives in
+/// sigma_s, sigma_a and B, the residual r = gain · m + veil - y at a reference exposure, and 1. All that a fit asks of a scene
+/// follows from them. Near the best exposure r is small, so nothing cancels.
 #[derive(Debug, Clone)]
 pub struct Products {
     /// Gain and veil at which the residual was formed.

@@ -126,8 +126,9 @@ const MOST_TRACED_ROUNDS: usize = 16;
 /// Edges and slopes explain a misfit in another way, so scenes that have some are not tried again.
 ///
 /// # Errors
-/// [`Error::NothingToFit`](crate::Error::NothingToFit) if no pixel counts or every parameter is fixed, [`Error::OutOfRange`](crate::Error::OutOfRange) for contradictory
-/// options, [`Error::NotFinite`](crate::Error::NotFinite) if a render is not finite, those of [`Model::range`].
+/// [`NothingToFit`](crate::Error::NothingToFit) if no pixel counts or every parameter is fixed,
+/// [`OutOfRange`](crate::Error::OutOfRange) for contradictory options, [`NotFinite`](crate::Error::NotFinite) if a render is not
+/// finite, those of [`Model::range`].
 pub fn fit_channel(data: &[Datum], options: &FitOptions, settings: &Settings) -> Result<ChannelFit> {
     let observed = data.iter().map(Observed::new).collect::<Result<Vec<_>>>()?;
     if settings.model == Model::Traced {

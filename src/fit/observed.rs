@@ -201,8 +201,8 @@ impl<'a> Observed<'a> {
 
     /// Standard deviation of a pixel's noise, from the fine structure of the residual observation - render (already
     /// exposed and veiled): the Laplacian of white noise has 20 times its variance, while a misfit, being blurred as
-    /// the object's light is, has little there. So a misfit shows in chi² and does not pass for noise. Of two `renders` the noise that is not in both
-    /// has no part but for the error of this estimate, twice which is its least value.
+    /// the object's light is, has little there. So a misfit shows in chi² and does not pass for noise. Of two `renders` the
+    /// noise that is not in both has no part but for the error of this estimate, twice which is its least value.
     pub(super) fn fine_noise(&self, renders: [&Image; 2]) -> f64 {
         let (observed, width) = (self.datum.observed, self.datum.observed.width);
         let residual = |r: usize, i: usize| f64::from(observed.data[i]) - f64::from(renders[r].data[i]);

@@ -6,8 +6,9 @@
 //! | `hg` | g | ln(1 - g) | a = (1-g)/sqrt(g) | 2(1 - g) |
 //!
 //! The coordinates have no bounds of their own, and in both a standard error is a relative one: of B, or of the lobe's angular
-//! width, which is nearly 1 - g. The *square angle* stands for the mean square of one deflection: twice the mean of 1 - cos theta is that to
-//! lowest order in the angle, 4B for a narrow Gaussian; unlike the planar second moment it is finite for both.
+//! width, which is nearly 1 - g. The *square angle* stands for the mean square of one deflection: twice the mean of
+//! 1 - cos theta is that to lowest order in the angle, 4B for a narrow Gaussian; unlike the planar second moment it is finite
+//! for both.
 
 use super::{Gaussian, HenyeyGreenstein, PhaseFunction};
 use crate::error::{Error, Result};

@@ -37,7 +37,7 @@ impl Extent {
         }
     }
 
-    /// The same in less than a minute.
+    /// The same in two minutes on two cores.
     pub fn quick() -> Self {
         Self {
             side: 32,
