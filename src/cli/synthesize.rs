@@ -1,17 +1,16 @@
 //! `narrowbeam synthesize`: all the light of a scene, the illumination's included.
 
 use super::backend::Chosen;
-use super::options::{MediumOptions, RenderOptions, exr_or_png, has_extension, provenance};
+use super::options::{MediumOptions, RenderOptions, WantedModel, exr_or_png, has_extension, provenance};
 use super::progress::Progress;
 use crate::error::Error;
 use crate::filter::CUT;
-use crate::fit::path_lengths;
 use crate::geometry::median;
 use crate::image::Channel;
 use crate::io::colour::Tone;
 use crate::io::{atomic, exr, png};
 use crate::scene::{Purpose, Scene};
-use crate::spread::{SMALL_ANGLE_LIMIT, small_angle_error};
+use crate::spread::{Model, SMALL_ANGLE_LIMIT, small_angle_error};
 use crate::synthesis::{Synthesis, synthesize};
 use anyhow::Result;
 use clap::builder::{PathBufValueParser, TypedValueParser};
@@ -47,7 +46,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     }
     let scenes = [scene];
     let chosen = Chosen::new(arguments.rendering.backend, &scenes, [1, 1])?;
-    let model = arguments.rendering.model.for_media(&media, path_lengths(&[&scenes[0].geometry]));
+    let model = match arguments.rendering.model {
+        WantedModel::This(model) => model,
+        // For pictures: wide-angle takes minutes and gigabytes where a perspective camera looks through an oblique surface.
+        WantedModel::Auto => Model::SmallAngle,
+    };
     let progress = Progress::uncounted("synthesizing");
     let made = synthesize(&scenes[0], &media, model, arguments.rendering.filter, chosen.backend())?;
     drop(progress);

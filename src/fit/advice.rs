@@ -10,6 +10,7 @@ use crate::geometry::{FARTHEST, Field, Geometry};
 use crate::image::Image;
 use crate::relief::Relief;
 use crate::scene::Gain;
+use crate::spread::Model;
 use nalgebra::Vector3;
 use serde::Serialize;
 
@@ -40,13 +41,14 @@ struct Plan<'a> {
 }
 
 /// Tries what could be done besides `data`, whose `fit` leaves something undetermined; the best first. Empty if nothing is
-/// undetermined, or the model sees direct light alone, to which no measurement adds.
+/// undetermined, or the model sees direct light alone, to which no measurement adds, or is `traced`, which would trace each.
 ///
 /// # Errors
 /// As [`fit_channel`](super::fit_channel).
 pub fn advise(data: &[Datum], fit: &ChannelFit, settings: &Settings) -> Result<Vec<Advice>> {
     let settings = &Settings { model: fit.model, ..*settings };
-    if !(fit.model.spreads() && (0..3).any(|i| fit.uncertainty.status(i) == Status::Undetermined)) {
+    let reckoned = fit.model.spreads() && fit.model != Model::Traced;
+    if !(reckoned && (0..3).any(|i| fit.uncertainty.status(i) == Status::Undetermined)) {
         return Ok(Vec::new());
     }
     let level = |e: &Exposure| Some(NoiseTerm::Level(e.noise));
@@ -82,7 +84,7 @@ pub fn advise(data: &[Datum], fit: &ChannelFit, settings: &Settings) -> Result<V
     let worst = |advice: &Advice| {
         let z = fit.median_z;
         let share = |i: usize| {
-            advice.std_errors[i].map(|e| if i == 1 { e * z } else { e / fit.parameters.values()[i] })
+            advice.std_errors[i].map(|e| if i == 1 { e * z } else { e / fit.parameters.slope(i).abs() })
         };
         if advice.frees { (0..3).filter_map(share).fold(0.0, f64::max) } else { f64::INFINITY }
     };

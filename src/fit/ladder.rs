@@ -10,6 +10,7 @@ use super::uncertainty::Status;
 use super::{ChannelFit, ModelError, Parameters, Settings, Uncertainty, foresee};
 use crate::error::Result;
 use crate::filter::Filter;
+use crate::phase::Family;
 use crate::relief::Relief;
 use crate::scene::Scene;
 use crate::spread::Model;
@@ -250,7 +251,11 @@ fn judge(
         let bias = error.bias_of(&Vector3::ith(i, 1.0)).abs();
         if bias > (tolerance * value).max(0.5 * noise) {
             let share = if value > 0.0 { 100.0 * bias / value } else { f64::INFINITY };
-            return Verdict::Fails(format!("{} off by {share:.2} %", parameters.names()[i]));
+            let name = match (i, parameters.family()) {
+                (2, Family::HenyeyGreenstein) => "1 - g",
+                _ => parameters.names()[i],
+            };
+            return Verdict::Fails(format!("{name} off by {share:.2} %"));
         }
     }
     if error.image > 1.0 {

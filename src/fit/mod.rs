@@ -260,7 +260,8 @@ fn fit_from<'a>(
             let structures = observed.iter().zip(&images).map(|(o, image)| structure::structure(o, image));
             let structure = structures.fold(0.0, f64::max);
             if let Some(error) = &model_error {
-                uncertainty.distrust(|i| error.reference_of(&Vector3::ith(i, 1.0)), median_z);
+                let unknown = |g: &Vector3<f64>| error.reference_of(g) + error.variance_of(g).sqrt();
+                uncertainty.distrust(|i| unknown(&Vector3::ith(i, 1.0)), median_z);
             }
             let mut fit = ChannelFit {
                 determined: Vec::new(),

@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::filter::{Backend, Filter};
 use crate::fit::ladder::climb;
 use crate::fit::scenes::{SceneFit, fit_scenes};
-use crate::fit::{Method as Solver, NAMES, Parameters, Settings, Status};
+use crate::fit::{Method as Solver, Parameters, Settings, Status};
 use crate::scene::Scene;
 use crate::spread::Model;
 use nalgebra::Vector3;
@@ -130,7 +130,7 @@ impl Outcome {
             let z = if Parameters::is_logarithmic(i) { 1.0 } else { setting.z };
             let error =
                 if Parameters::is_logarithmic(i) { (value / truth).ln() } else { (value - truth) * z };
-            let interval = &fit.report.parameters[NAMES[i]]["ci95"];
+            let interval = &fit.report.parameters[channel.parameters.names()[i]]["ci95"];
             let end = |e: usize| interval[e].as_f64().unwrap_or(f64::NAN);
             Some(Found {
                 error,

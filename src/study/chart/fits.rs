@@ -45,10 +45,12 @@ impl Fitted {
     }
 }
 
-/// Errors of sigma_s, sigma_a and B (`values`) relative to the truth; where that is no absorption, the error of sigma_a z.
+/// Errors of sigma_s, sigma_a and B (`values`) relative to the truth; where that is no absorption, the error of sigma_a z. Of g
+/// it is relative to 1 - g.
 pub(super) fn relative_errors(values: [f64; 3], truth: &MediumValues, z: f64) -> [f64; 3] {
+    let scales = [truth.sigma_s, scale(truth.sigma_a, z), truth.family.slope(truth.shape).abs()];
     let truth = truth.values();
-    std::array::from_fn(|i| (values[i] - truth[i]) / scale(truth[i], z))
+    std::array::from_fn(|i| (values[i] - truth[i]) / scales[i])
 }
 
 /// What an error of a parameter is measured by.
