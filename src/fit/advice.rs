@@ -1,9 +1,8 @@
 //! Which measurement would free what the data leave undetermined: not guessed but reckoned, by the Fisher information that the
 //! measurement would add at the medium found (see [`forecast`](super::forecast)).
 
-use super::displacement::Displacement;
-use super::{ChannelFit, Datum, Exposure, ModelError, NoiseTerm, Observed, Parameters, Problem, Renders};
-use super::{Settings, Source, Status, Uncertainty, VeilTerm, with_optics};
+use super::foresee::known_at;
+use super::{ChannelFit, Datum, Exposure, NoiseTerm, Parameters, Settings, Status, VeilTerm, with_optics};
 use crate::error::Result;
 use crate::filter::Target;
 use crate::geometry::{FARTHEST, Field, Geometry};
@@ -165,26 +164,10 @@ impl Plan<'_> {
     fn advice(self, fit: &ChannelFit, settings: &Settings) -> Result<Advice> {
         let Self { measurement, data, exposures, noise } = self;
         let parameters = &fit.parameters;
-        let mut observed = data.iter().map(Observed::new).collect::<Result<Vec<_>>>()?;
-        for (o, share) in observed.iter_mut().zip(&fit.hidden_shares) {
-            if let Some(share) = share {
-                o.leave_out_hidden(share)?;
-            }
-        }
-        let mut renders = Renders::new(&data, &observed, parameters, settings)?;
-        let problem = Problem::new(Source::Renders(&renders), &observed, parameters, settings);
-        let equations = problem.equations(&parameters.internal())?;
         let inflation = fit.uncertainty.inflation() * noise * noise;
-        let mut uncertainty = Uncertainty::new(&equations, parameters, fit.median_z, inflation);
-        let error = ModelError::new(&mut Displacement {
-            data: &data,
-            observed: &observed,
-            renders: &mut renders,
-            parameters,
-            uncertainty: &uncertainty,
-            exposures: &exposures,
-            settings,
-        })?;
+        let scale = (fit.median_z, inflation);
+        let (mut uncertainty, error) =
+            known_at(&data, &exposures, &fit.hidden_shares, parameters, scale, settings)?;
         if let Some(error) = error {
             uncertainty.distrust(|i| error.reference_of(&Vector3::ith(i, 1.0)), fit.median_z);
         }
