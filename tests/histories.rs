@@ -3,7 +3,8 @@
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Gaussian, HenyeyGreenstein, b_of_spread_angle};
 use narrowbeam::trace::{
-    Histories, History, Likelihood, RadialConfig, Reweighted, Turbid, trace_histories, trace_radial,
+    Histories, History, Likelihood, RadialConfig, Reweighted, Scattered, Turbid, trace_histories,
+    trace_radial,
 };
 
 const PATHS: u64 = 200_000;
@@ -22,9 +23,13 @@ fn within<P: Likelihood>(histories: &Histories<P>, radius: f64) -> f64 {
 
 /// Mean over independent runs of the light within `radius`, and its standard error: copies of a path are not independent.
 fn light<P: Likelihood>(medium: Turbid<P>, radius: f64) -> (f64, f64) {
+    over_runs(|paths, seed| within(&trace_histories(medium, Scattered::Once, paths, seed).unwrap(), radius))
+}
+
+/// Mean and its standard error of `one` of so many paths and a seed.
+fn over_runs(one: impl Fn(u64, u64) -> f64) -> (f64, f64) {
     let runs = 16;
-    let one = |seed| within(&trace_histories(medium, PATHS / runs, seed).unwrap(), radius);
-    let values: Vec<f64> = (100..100 + runs).map(one).collect();
+    let values: Vec<f64> = (100..100 + runs).map(|seed| one(PATHS / runs, seed)).collect();
     let mean = values.iter().sum::<f64>() / runs as f64;
     let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
     (mean, (squares / (runs * (runs - 1)) as f64).sqrt())
@@ -60,10 +65,48 @@ fn light_within_a_radius_is_that_of_the_radial_tally() {
     agrees_with_the_radial_tally(Turbid { sigma_s: 2.0, sigma_a: 1.0, phase });
 }
 
+/// Light within `radius` that is scattered more than once, by two ways to trace it.
+fn more_than_once(medium: Scaled, radius: f64) -> [(f64, f64); 2] {
+    [Scattered::Once, Scattered::Twice].map(|scattered| {
+        over_runs(|paths, seed| {
+            let mut histories = trace_histories(medium, scattered, paths, seed).unwrap();
+            histories.paths.retain(|h| h.scatterings > 1);
+            within(&histories, radius)
+        })
+    })
+}
+
+#[test]
+fn light_scattered_twice_is_that_of_the_paths_scattered_more_than_once() {
+    for medium in
+        [scaled(0.1, 0.0, 10.0), scaled(2.0, 1.0, 30.0), scaled(4.0, 4.0, 40.0), scaled(0.5, 0.3, 70.0)]
+    {
+        for radius in [0.3, 1.0, f64::INFINITY] {
+            let [(once, once_error), (twice, error)] = more_than_once(medium, radius);
+            let noise = 5.0 * error.hypot(once_error);
+            assert!(
+                (twice - once).abs() < noise,
+                "{medium:?} {radius}: {twice} ± {error}, {once} ± {once_error}"
+            );
+            assert!(0.1 * once > noise, "{medium:?} {radius}: a tenth more would not be seen");
+        }
+    }
+}
+
+#[test]
+fn where_no_path_is_lost_light_scattered_twice_is_without_noise() {
+    let tau = 0.5_f64;
+    let [(_, once_error), (twice, error)] = more_than_once(scaled(tau, 0.0, 3.0), f64::INFINITY);
+    let exact = 1.0 - (1.0 + tau) * (-tau).exp();
+    // Paths turned by 3 degrees are longer by some permille: so much more light scatters again.
+    assert!((twice / exact - 1.0).abs() < 2e-3, "{twice} {exact}");
+    assert!(error < 0.01 * once_error, "{error} {once_error}");
+}
+
 #[test]
 fn histories_do_not_depend_on_the_number_of_threads() {
     let medium = scaled(3.0, 1.0, 25.0);
-    let trace = || trace_histories(medium, 5_000, 3).unwrap();
+    let trace = || trace_histories(medium, Scattered::Twice, 5_000, 3).unwrap();
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(trace);
     assert_eq!(one, trace());
 }
@@ -79,10 +122,10 @@ fn near(path: &History<[f32; 1]>) -> f64 {
 
 #[test]
 fn reweighted_histories_are_those_of_the_other_medium() {
-    let from = trace_histories(scaled(1.0, 0.3, 20.0), PATHS, 21).unwrap();
+    let from = trace_histories(scaled(1.0, 0.3, 20.0), Scattered::Once, PATHS, 21).unwrap();
     let to = scaled(1.15, 0.5, 21.5);
     let reweighted = from.reweighted(&to, near);
-    let fresh = within(&trace_histories(to, PATHS, 22).unwrap(), 0.25);
+    let fresh = within(&trace_histories(to, Scattered::Once, PATHS, 22).unwrap(), 0.25);
     assert!(reweighted.effective_paths > 0.5 * PATHS as f64);
     let noise = fresh * 4.0 * (1.0 / reweighted.effective_paths + 1.0 / PATHS as f64).sqrt();
     assert!((reweighted.value - fresh).abs() < noise, "{reweighted:?} {fresh}");
@@ -92,7 +135,7 @@ fn reweighted_histories_are_those_of_the_other_medium() {
 
 #[test]
 fn derivatives_of_reweighted_light_are_those_of_its_differences() {
-    let from = trace_histories(scaled(1.0, 0.3, 20.0), PATHS, 23).unwrap();
+    let from = trace_histories(scaled(1.0, 0.3, 20.0), Scattered::Once, PATHS, 23).unwrap();
     let at = |p: [f64; 3]| -> Reweighted { from.reweighted(&medium(p), near) };
     let p = [1.1, 0.35, 0.031];
     for i in 0..3 {
@@ -111,13 +154,16 @@ fn derivatives_of_reweighted_light_are_those_of_its_differences() {
 fn derivatives_are_those_of_fresh_tracing() {
     let p = [1.0, 0.3, b_of_spread_angle(20.0_f64.to_radians())];
     let paths = 4 * PATHS;
-    let gradient = trace_histories(medium(p), paths, 31).unwrap().reweighted(&medium(p), near).gradient;
+    let gradient =
+        trace_histories(medium(p), Scattered::Once, paths, 31).unwrap().reweighted(&medium(p), near).gradient;
     for i in 0..3 {
         let step = 0.2 * p[i];
         let (mut up, mut down) = (p, p);
         up[i] += step;
         down[i] -= step;
-        let light = |p: [f64; 3], seed: u64| within(&trace_histories(medium(p), paths, seed).unwrap(), 0.25);
+        let light = |p: [f64; 3], seed: u64| {
+            within(&trace_histories(medium(p), Scattered::Once, paths, seed).unwrap(), 0.25)
+        };
         let (more, less) = (light(up, 32), light(down, 33));
         let difference = (more - less) / (2.0 * step);
         // Five standard errors of the difference, and the next order of a step of a fifth.
@@ -129,7 +175,7 @@ fn derivatives_are_those_of_fresh_tracing() {
 
 #[test]
 fn effective_paths_fall_with_the_distance_of_the_medium() {
-    let from = trace_histories(scaled(1.0, 0.0, 20.0), PATHS, 41).unwrap();
+    let from = trace_histories(scaled(1.0, 0.0, 20.0), Scattered::Once, PATHS, 41).unwrap();
     let effective = |to| from.reweighted(&to, |_| 1.0).effective_paths;
     let here = effective(scaled(1.0, 0.0, 20.0));
     assert!((here - from.paths.len() as f64).abs() < 1e-6 * here);

@@ -9,8 +9,8 @@ use narrowbeam::spread::wide_angle::table::Table;
 use narrowbeam::spread::wide_angle::{WideAngle, table_of};
 use narrowbeam::spread::{Dual, Model, SpreadKernel};
 use narrowbeam::trace::{
-    Estimate, History, Likelihood, RadialConfig, RadialProfile, Turbid, log_spaced, trace_histories,
-    trace_radial,
+    Estimate, History, Likelihood, RadialConfig, RadialProfile, Scattered, Turbid, log_spaced,
+    trace_histories, trace_radial,
 };
 
 /// Media of the comparison.
@@ -164,7 +164,7 @@ fn the_comparison_refuses_small_angle_theory() {
 fn holds_the_mean_slope_of_fresh_histories<P: Likelihood>(medium: Turbid<P>, lobe: &Lobe) {
     let Turbid { sigma_s, sigma_a, .. } = medium;
     let kernel = wide_angle(&Medium::new(sigma_s, sigma_a).unwrap(), lobe, 1.0);
-    let histories = trace_histories(medium, 300_000, 77).unwrap();
+    let histories = trace_histories(medium, Scattered::Once, 300_000, 77).unwrap();
     for x in [0.3, 1.0, 3.0] {
         let k = x / lobe.planar_width();
         let score =

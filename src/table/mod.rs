@@ -7,7 +7,7 @@ mod once;
 use crate::error::Result;
 use crate::phase::{Lobe, PhaseFunction};
 use crate::spread::wide_angle::layout::{Layout, Place, bending};
-use crate::trace::{Likelihood, Turbid, log_spaced, trace_histories};
+use crate::trace::{Likelihood, Scattered, Turbid, log_spaced, trace_histories};
 use mixture::Laid;
 
 /// Edges of the radius bins, in units of z times the lobe's planar width.
@@ -31,8 +31,9 @@ impl Radial {
         (edges, width): (&[f64], f64),
         (paths, seed): (u64, u64),
     ) -> Result<()> {
-        let histories = trace_histories(Turbid { sigma_s: tau, sigma_a: absorption, phase }, paths, seed)?;
-        for history in histories.paths.iter().filter(|h| h.scatterings > 1) {
+        let medium = Turbid { sigma_s: tau, sigma_a: absorption, phase };
+        let histories = trace_histories(medium, Scattered::Twice, paths, seed)?;
+        for history in &histories.paths {
             let bin = edges.partition_point(|&e| e <= f64::from(history.radius) / width);
             self.light[bin] += histories.weight;
             self.slope[bin] += histories.weight * f64::from(history.slope);
@@ -41,11 +42,19 @@ impl Radial {
     }
 }
 
-/// Most paths of a node, as a multiple of those asked for.
-const MOST: f64 = 8.0;
+/// Least and most paths of a node, as a multiple of those asked for.
+const EFFORT: (f64, f64) = (0.02, 8.0);
 
-/// The numbers of one node of the table with this `layout` from `paths` paths; more where most of them are absorbed on the
-/// excess path, some tau D² a /4 of the light.
+/// Paths that a node needs, as a multiple of those asked for, for an even noise as a share of the scattered light. Only light
+/// scattered more than once is traced; and where small-angle theory is off by some tau D² a /4 in the logarithm of the
+/// light, most paths are absorbed on their excess length.
+fn effort(place: &Place) -> f64 {
+    let Place { tau, absorption, angle, .. } = *place;
+    let more_than_once = 1.0 + tau * (-tau).exp() / (-tau).exp_m1();
+    (more_than_once * (1.0 + tau * angle * angle * absorption / 8.0)).clamp(EFFORT.0, EFFORT.1)
+}
+
+/// The numbers of one node of the table with this `layout`, from `paths` times its `effort` paths.
 ///
 /// # Errors
 /// Those of the tracer.
@@ -54,8 +63,7 @@ pub fn node(layout: &Layout, place: &Place, paths: u64, seed: u64) -> Result<Vec
     let lobe = layout.family.lobe(shape)?;
     let (edges, width) = (edges(), lobe.planar_width());
     let mut radial = once::radial(tau, absorption, &lobe, &edges);
-    let effort = (1.0 + tau * angle * angle * absorption / 8.0).min(MOST);
-    let paths = ((paths as f64 * effort) as u64, seed);
+    let paths = ((paths as f64 * effort(place)).ceil() as u64, seed);
     match lobe {
         Lobe::Gaussian(phase) => radial.trace(tau, absorption, phase, (&edges, width), paths)?,
         Lobe::HenyeyGreenstein(phase) => radial.trace(tau, absorption, phase, (&edges, width), paths)?,

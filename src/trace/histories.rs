@@ -1,16 +1,22 @@
 //! Histories: what the likelihood of a traced path depends on, for the light that crosses a plane scattered.
 //!
 //! A pencil beam enters the half-space z > 0, as in [`trace_radial`](super::trace_radial); lengths are in units of the
-//! plane's depth, so that a medium is tau = sigma_s z, a = sigma_a z and its phase function. Three things keep every path at work:
+//! plane's depth, so that a medium is tau = sigma_s z, a = sigma_a z and its phase function. Four things keep every path at work:
 //!
 //! - *The first scattering is drawn before the plane*, with density tau exp(-tau t)/(1 - exp(-tau)): no path is spent
-//!   on direct light.
+//!   on direct light. Its depths are stratified, one in each of as many equal shares as there are paths.
+//! - *So is the second*, if only light scattered more than once is asked for: every path is worth the chance that it
+//!   scatters again before it leaves, and is copied as often as it is worth. Where small-angle theory holds, all paths that
+//!   scatter so often arrive: their light then has no noise at all.
 //! - *Absorption of the excess length is played, not weighed.* A segment of length l and direction cosine mu exceeds
 //!   its depth l mu by l (1 - mu), so a path dies at the rate a (1 - mu), and arrives with the chance
 //!   E[exp(-a (L - 1))]: the weight exp(-a) is left, the same for all.
 //! - *Multilevel splitting* (Kahn and Harris 1951; Garvels 2000): those that reach the next of eight depths for the
 //!   first time are copied until they are as many again as set out, and each counts for the share that got there. The
 //!   product of the shares estimates without bias the light that arrives, be it exp(-20).
+//!
+//! Copies are drawn systematically (Kitagawa 1996): a path of m times the mean worth has m copies, rounded up or down, so
+//! drawing them adds no noise to the light, and little to where it falls.
 
 use super::likelihood::{Likelihood, Turbid};
 use super::path::{Path, free_path};
@@ -58,33 +64,59 @@ struct Walker<M> {
     memory: M,
 }
 
-/// Traces `paths` scattered paths in `medium`; the same for any number of threads.
+/// Light by how often it was scattered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scattered {
+    /// At least once.
+    Once,
+    /// At least twice.
+    Twice,
+}
+
+/// Traces `paths` paths that are `scattered` so often in `medium`; the same for any number of threads.
 ///
 /// # Errors
 /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless sigma_s z is finite and above 0, sigma_a z finite and at least 0, and
 /// `paths` between 1 and 2^32.
-pub fn trace_histories<P: Likelihood>(medium: Turbid<P>, paths: u64, seed: u64) -> Result<Histories<P>> {
+pub fn trace_histories<P: Likelihood>(
+    medium: Turbid<P>,
+    scattered: Scattered,
+    paths: u64,
+    seed: u64,
+) -> Result<Histories<P>> {
     let Turbid { sigma_s: tau, sigma_a: absorption, phase } = medium;
     in_range("sigma_s z", tau, tau.is_finite() && tau > 0.0, "finite and above 0")?;
     in_range("sigma_a z", absorption, absorption.is_finite() && absorption >= 0.0, "finite and at least 0")?;
     in_range("paths", paths as f64, (1..=1 << 32).contains(&paths), "between 1 and 2^32")?;
     let walk = Walk { tau: tau as f32, absorption: absorption as f32, phase, record: phase.recorder() };
     let seeds = Stream::key(seed);
-    let stream = |stage: u64, i: u64| Stream::new(Stream::key(seeds.wrapping_add(stage)), i);
+    let key = |stage: u64| Stream::key(seeds.wrapping_add(stage));
+    let copies =
+        |worth: &[f64], stage: u64| systematic(worth, paths, Stream::new(key(stage), paths).uniform_f64());
 
     let mut weight = -(-tau).exp_m1() * (-absorption).exp() / paths as f64;
-    let mut walkers: Vec<Walker<P::Memory>> =
-        (0..paths).into_par_iter().map(|i| walk.first_scattering(&mut stream(0, i))).collect();
+    let first = |i: u64| {
+        let mut stream = Stream::new(key(0), i);
+        let share = (i as f64 + stream.uniform_f64()) / paths as f64;
+        walk.first_scattering(share, &mut stream)
+    };
+    let mut walkers: Vec<Walker<P::Memory>> = (0..paths).into_par_iter().map(first).collect();
+    if scattered == Scattered::Twice {
+        let worth: Vec<f64> = walkers.par_iter().map(|walker| walk.chance(walker)).collect();
+        weight *= worth.iter().sum::<f64>() / paths as f64;
+        let stage = LEVELS + 1;
+        let again = |(i, from): (usize, usize)| {
+            walk.next_scattering(walkers[from], worth[from], &mut Stream::new(key(stage), i as u64))
+        };
+        walkers = copies(&worth, stage).into_par_iter().enumerate().map(again).collect();
+    }
     for level in 1..=LEVELS {
         let depth = level as f32 / LEVELS as f32;
-        let arrived: Vec<Walker<P::Memory>> = (0..paths)
-            .into_par_iter()
-            .filter_map(|i| {
-                let survivors = walkers.len() as u64;
-                let walker = walkers[(i * survivors / paths) as usize];
-                walk.to_level(walker, depth, &mut stream(level, i))
-            })
-            .collect();
+        let onward = |(i, from): (usize, usize)| {
+            walk.to_level(walkers[from], depth, &mut Stream::new(key(level), i as u64))
+        };
+        let set_out = copies(&vec![1.0; walkers.len()], level);
+        let arrived: Vec<_> = set_out.into_par_iter().enumerate().filter_map(onward).collect();
         if level < LEVELS {
             weight *= arrived.len() as f64 / paths as f64;
         }
@@ -96,6 +128,21 @@ pub fn trace_histories<P: Likelihood>(medium: Turbid<P>, paths: u64, seed: u64) 
     Ok(Histories { medium, weight, paths: walkers.iter().map(Walker::history).collect() })
 }
 
+/// Whose copies `paths` paths are if every walker has as many as it is worth, relative to the mean, rounded up or down as
+/// `offset`, between 0 and 1, has it.
+fn systematic(worth: &[f64], paths: u64, offset: f64) -> Vec<usize> {
+    let step = worth.iter().sum::<f64>() / paths as f64;
+    let (mut from, mut up_to) = (0, worth[0]);
+    let copy = |i: u64| {
+        while up_to <= (i as f64 + offset) * step && from + 1 < worth.len() {
+            from += 1;
+            up_to += worth[from];
+        }
+        from
+    };
+    (0..paths).map(copy).collect()
+}
+
 /// The medium as paths need it.
 struct Walk<P, R> {
     tau: f32,
@@ -105,14 +152,43 @@ struct Walk<P, R> {
 }
 
 impl<P: Likelihood, R: Fn(f32, &mut P::Memory)> Walk<P, R> {
-    /// A path just after its first scattering.
-    fn first_scattering(&self, stream: &mut Stream) -> Walker<P::Memory> {
+    /// A path just after its first scattering, at the depth that the `share` of all scatter before.
+    fn first_scattering(&self, share: f64, stream: &mut Stream) -> Walker<P::Memory> {
         // The inverse of (1 - exp(-tau t))/(1 - exp(-tau)).
-        let share = stream.uniform_f64() * (-f64::from(self.tau)).exp_m1();
-        let depth = (-share.ln_1p() / f64::from(self.tau)) as f32;
+        let scattered = share * (-f64::from(self.tau)).exp_m1();
+        let depth = (-scattered.ln_1p() / f64::from(self.tau)) as f32;
         let mut path = Path::new(Vec3::ZERO, Vec3::Z);
         path.advance(depth);
         let mut walker = Walker { path, reached: depth, scatterings: 0, memory: P::Memory::default() };
+        self.scatter(&mut walker, stream);
+        walker
+    }
+
+    /// Absorption of the excess length per length in the direction of `path`.
+    fn absorbed(&self, path: &Path) -> f32 {
+        self.absorption * (1.0 - path.direction.z)
+    }
+
+    /// Chance that a path is scattered before it is absorbed or leaves the layer.
+    fn chance(&self, walker: &Walker<P::Memory>) -> f64 {
+        let Path { position, direction, .. } = walker.path;
+        let way =
+            if direction.z > 0.0 { (1.0 - position.z) / direction.z } else { position.z / -direction.z };
+        let rate = self.tau + self.absorbed(&walker.path);
+        -f64::from(self.tau / rate) * (-f64::from(rate * way)).exp_m1()
+    }
+
+    /// A path after its next scattering in the layer, whose `chance` it is worth.
+    fn next_scattering(
+        &self,
+        mut walker: Walker<P::Memory>,
+        chance: f64,
+        stream: &mut Stream,
+    ) -> Walker<P::Memory> {
+        let rate = self.tau + self.absorbed(&walker.path);
+        let scattered = stream.uniform_f64() * chance * f64::from(rate / self.tau);
+        walker.path.advance((-(-scattered).ln_1p()) as f32 / rate);
+        walker.reached = walker.reached.max(walker.path.position.z);
         self.scatter(&mut walker, stream);
         walker
     }
@@ -132,7 +208,7 @@ impl<P: Likelihood, R: Fn(f32, &mut P::Memory)> Walk<P, R> {
     ) -> Option<Walker<P::Memory>> {
         while walker.reached < level {
             let Path { position, direction, .. } = walker.path;
-            let absorbed = self.absorption * (1.0 - direction.z);
+            let absorbed = self.absorbed(&walker.path);
             let rate = self.tau + absorbed;
             let step = free_path(rate, stream);
             let end = position.z + step * direction.z;

@@ -29,7 +29,7 @@ mod scene;
 mod surface;
 mod tally;
 
-pub use histories::{Histories, History, trace_histories};
+pub use histories::{Histories, History, Scattered, trace_histories};
 pub use hits::{BATCHES, Hits};
 pub use image::{ImageConfig, TracedImage, trace_image};
 pub use likelihood::{Change, Effective, Information, Likelihood, Reweighting, Turbid, Weight};

@@ -16,8 +16,8 @@ use crate::medium::Medium;
 use crate::relief::Relief;
 use crate::spread::Dual;
 use crate::trace::{
-    BATCHES, Effective, Histories, History, Information, Likelihood, Reweighting, Turbid, annulus_mean,
-    log_spaced, trace_histories,
+    BATCHES, Effective, Histories, History, Information, Likelihood, Reweighting, Scattered, Turbid,
+    annulus_mean, log_spaced, trace_histories,
 };
 use rayon::prelude::*;
 use std::ops::Range;
@@ -60,7 +60,12 @@ impl<'a> Plane<'a> {
         let edges = edges();
         let each = paths.div_ceil(BATCHES as u64);
         let batch = |i: u64| {
-            let histories = trace_histories(scaled, each, seed.wrapping_mul(BATCHES as u64).wrapping_add(i))?;
+            let histories = trace_histories(
+                scaled,
+                Scattered::Once,
+                each,
+                seed.wrapping_mul(BATCHES as u64).wrapping_add(i),
+            )?;
             let bin = |h: &History<P::Memory>| edges.partition_point(|&e| e <= f64::from(h.radius)) as u16;
             Ok(Batch { bins: histories.paths.iter().map(bin).collect(), histories })
         };

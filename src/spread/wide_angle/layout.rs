@@ -47,7 +47,7 @@ pub struct Place {
 static GAUSSIAN: Layout = Layout {
     family: Family::Gaussian,
     rungs: 28,
-    counts: [11, 8, 11],
+    counts: [10, 8, 14],
     ends: (0.5_f64.to_radians(), 60.0_f64.to_radians()),
     served: [
         (12.0, "between 0 and 12, where the table of model wide-angle ends (--model traced has no end)"),
@@ -62,7 +62,7 @@ static GAUSSIAN: Layout = Layout {
 static HENYEY_GREENSTEIN: Layout = Layout {
     family: Family::HenyeyGreenstein,
     rungs: 32,
-    counts: [11, 8, 10],
+    counts: [10, 8, 16],
     ends: (-6.214_608_098_422_191, -std::f64::consts::LN_2),
     served: [
         (
@@ -80,7 +80,7 @@ static HENYEY_GREENSTEIN: Layout = Layout {
 /// [`Place`]: lest noise of thick, wide-angle, absorbing media spread to narrow ones. The constant keeps noise of narrow ones
 /// there.
 pub fn bending(angle: f64) -> f64 {
-    angle * angle + 0.07
+    angle * angle + 0.3
 }
 
 /// Width of rung `j` in units of the lobe's planar width times z.
