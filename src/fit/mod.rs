@@ -205,9 +205,17 @@ fn fit_from<'a>(
         }
         let by_sums = sums.map(|_| parameters.values());
         let problem = Problem::new(Source::Renders(&renders), &observed, &parameters, settings);
-        let outcome = solver::run(problem, settings)?;
+        let mut outcome = solver::run(problem, settings)?;
         iterations += outcome.iterations;
         evaluations += outcome.evaluations;
+        if settings.model == Model::Traced && outcome.equations.cost <= 0.0 {
+            (outcome.converged, outcome.stop) = (false, traced::TOO_FEW.into());
+        }
+        if scouting && !outcome.converged {
+            scouting = false;
+            renders = Renders::new(data, &observed, &parameters, settings)?;
+            continue;
+        }
         parameters.set_internal(&outcome.point);
         let unsettled = exposures(&outcome.equations, &observed, None);
         let images = renders.exposed(&parameters, settings, &unsettled, data)?;
