@@ -118,6 +118,8 @@ const NOISE_SETTLED: f64 = 0.02;
 /// shorter.
 const MOST_ROUNDS: usize = 6;
 const MOST_TRACED_ROUNDS: usize = 16;
+/// Those of them that make do with few paths, whose noise may keep them from coming to rest.
+const MOST_SCOUTING_ROUNDS: usize = 8;
 
 /// Fits one channel's medium to `data`; all scenes share it.
 ///
@@ -308,7 +310,7 @@ fn fit_from<'a>(
             return Ok(fit);
         }
         if !served || scouting {
-            scouting &= !served;
+            scouting &= !served && round < MOST_SCOUTING_ROUNDS;
             renders = Renders::new(data, &observed, &parameters, &settings.for_search(scouting))?;
         }
     }
