@@ -6,6 +6,7 @@
 //! (ln sigma_s, sigma_a, ln B), or ln(1 - g) in place of ln B for Henyey-Greenstein's phase function.
 
 mod advice;
+mod bounded_step;
 mod channel_fit;
 mod comparison;
 mod datum;

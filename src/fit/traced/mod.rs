@@ -14,6 +14,9 @@
 //! measured by batches of the paths (`fit::model_error`).
 
 mod plane;
+mod tracing;
+
+pub use tracing::{MOST_PATHS, Tracing};
 
 use super::Settings;
 use super::equations::Products;
@@ -33,50 +36,10 @@ use std::cell::RefCell;
 use std::ops::Range;
 use std::rc::Rc;
 
-/// What the model `traced` traces.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tracing {
-    /// Paths a scene, at most [`MOST_PATHS`]; `None` leaves it to the program.
-    pub paths: Option<u64>,
-    /// Seed of the random numbers.
-    pub seed: u64,
-    /// Share of the paths that is traced.
-    share: f64,
-}
-
-impl Tracing {
-    /// So many `paths` a scene, by random numbers of this `seed`.
-    pub fn new(paths: Option<u64>, seed: u64) -> Self {
-        Self { paths, seed, share: 1.0 }
-    }
-
-    pub(super) fn fewer(self) -> Self {
-        Self { share: SCOUTS, ..self }
-    }
-
-    fn are_scouts(self) -> bool {
-        self.share < 1.0
-    }
-
-    fn count(self, default: u64) -> u64 {
-        (self.share * self.paths.unwrap_or(default).min(MOST_PATHS) as f64).ceil() as u64
-    }
-}
-
-impl Default for Tracing {
-    fn default() -> Self {
-        Self::new(None, 1)
-    }
-}
-
 /// Paths of a plane: its kernel's light per octave of radius is then known to some .2 %.
 const PLANE_PATHS: u64 = 1 << 20;
 /// Paths of all pixels of a scene together, 12 to 28 bytes for each that meets light: at 128² px as noisy as an observation of 1 %.
 const SURFACE_PATHS: u64 = 1 << 24;
-/// Most that are traced for a scene, for the sake of memory.
-pub const MOST_PATHS: u64 = 1 << 26;
-/// Share of them with which the medium is sought.
-const SCOUTS: f64 = 0.125;
 /// What ends a fit whose chi² is not above 0: it is one of the halves' products, and the noise of the paths all that is left of it.
 pub(super) const TOO_FEW: &str = "the noise of the traced paths hides the residual: too few paths";
 /// The model whose fit says where tracing begins.
