@@ -40,16 +40,27 @@ struct Plan<'a> {
 }
 
 /// Tries what could be done besides `data`, whose `fit` leaves something undetermined; the best first. Empty if nothing is
-/// undetermined, or the model sees direct light alone, to which no measurement adds, or is `traced`, which would trace each.
+/// undetermined, or the model sees direct light alone, to which no measurement adds.
+///
+/// For the model `traced` kernels of `wide-angle` stand in: it is the same light, and the noise of few paths would pass for want
+/// of information. Empty where it has none.
 ///
 /// # Errors
 /// As [`fit_channel`](super::fit_channel).
 pub fn advise(data: &[Datum], fit: &ChannelFit, settings: &Settings) -> Result<Vec<Advice>> {
-    let settings = &Settings { model: fit.model, ..*settings };
-    let reckoned = fit.model.spreads() && fit.model != Model::Traced;
-    if !(reckoned && (0..3).any(|i| fit.uncertainty.status(i) == Status::Undetermined)) {
+    if !(fit.model.spreads() && (0..3).any(|i| fit.uncertainty.status(i) == Status::Undetermined)) {
         return Ok(Vec::new());
     }
+    let traced = fit.model == Model::Traced;
+    let model = if traced { Model::WideAngle } else { fit.model };
+    match foreseen(data, fit, &Settings { model, ..*settings }) {
+        Err(error) if traced && error.is_about_model() => Ok(Vec::new()),
+        advice => advice,
+    }
+}
+
+/// What each measurement would tell, the best first.
+fn foreseen(data: &[Datum], fit: &ChannelFit, settings: &Settings) -> Result<Vec<Advice>> {
     let level = |e: &Exposure| Some(NoiseTerm::Level(e.noise));
     let measured: Vec<Datum> = data
         .iter()

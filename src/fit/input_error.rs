@@ -5,7 +5,8 @@
 //! the image that the best fit would have with the depth or the gain one standard error off.
 
 use super::displacement::Displacement;
-use super::{Datum, render_traced, with_optics};
+use super::traced::render_stretched;
+use super::{Datum, with_optics};
 use crate::error::Result;
 use crate::filter::Target;
 use crate::geometry::{Field, Geometry};
@@ -27,12 +28,15 @@ impl InputError {
         if data.iter().all(|d| d.depth_error == 0.0 && gain_error(d) == 0.0) {
             return Ok(Self(covariance));
         }
-        let best = data.iter().map(|d| render(d.target, fit)).collect::<Result<Vec<_>>>()?;
+        let best = data.iter().enumerate().map(|(i, d)| render(d.target, fit, (i, 1.0)));
+        let best = best.collect::<Result<Vec<_>>>()?;
+        // Traced images are noisy, and would move the estimate by themselves: of paths of the same shapes the noise cancels.
+        let (still, _) = fit.towards(best.clone())?;
         for (i, datum) in data.iter().enumerate() {
             let mut add = |image: Image, fit: &mut Displacement| -> Result<()> {
                 let mut images = best.clone();
                 images[i] = image;
-                let (step, _) = fit.towards(images)?;
+                let step = fit.towards(images)?.0 - still;
                 covariance += step * step.transpose();
                 Ok(())
             };
@@ -40,7 +44,7 @@ impl InputError {
                 let geometry = deeper(datum.target.geometry, datum.depth_error);
                 let relief = datum.target.relief.map(|_| Relief::new(&geometry));
                 let target = Target { geometry: &geometry, relief: relief.as_ref(), ..datum.target };
-                let image = render(target, fit)?;
+                let image = render(target, fit, (i, 1.0 + datum.depth_error))?;
                 add(image, fit)?;
             }
             let share = gain_error(datum) as f32;
@@ -76,12 +80,14 @@ fn deeper(geometry: &Geometry, error: f64) -> Geometry {
     deeper
 }
 
-/// `target` by the model at the optimum.
-fn render(target: Target, fit: &Displacement) -> Result<Image> {
-    with_optics(fit.parameters, fit.settings.model, |optics| {
+/// Scene number `scene`, `deeper` by some factor, by the model at the optimum. If traced, by other paths than the fit's, whose noise
+/// is in its derivatives.
+fn render(target: Target, fit: &Displacement, (scene, deeper): (usize, f64)) -> Result<Image> {
+    let (settings, scene) = (fit.settings, fit.data.len() + scene);
+    with_optics(fit.parameters, settings.model, |optics| {
         if optics.model == Model::Traced {
-            return render_traced(target, optics, fit.settings.tracing);
+            return render_stretched(target, optics, settings.tracing, (scene as u64, deeper));
         }
-        fit.settings.backend.prepare(target, optics, 1.0)?.render(optics)
+        settings.backend.prepare(target, optics, 1.0)?.render(optics)
     })
 }

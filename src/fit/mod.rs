@@ -6,6 +6,7 @@
 //! (ln sigma_s, sigma_a, ln B), or ln(1 - g) in place of ln B for Henyey-Greenstein's phase function.
 
 mod advice;
+mod bounded_step;
 mod channel_fit;
 mod comparison;
 mod datum;
@@ -118,6 +119,8 @@ const NOISE_SETTLED: f64 = 0.02;
 /// shorter.
 const MOST_ROUNDS: usize = 6;
 const MOST_TRACED_ROUNDS: usize = 16;
+/// Those of them that make do with few paths, whose noise may keep them from coming to rest.
+const MOST_SCOUTING_ROUNDS: usize = 8;
 
 /// Fits one channel's medium to `data`; all scenes share it.
 ///
@@ -205,9 +208,17 @@ fn fit_from<'a>(
         }
         let by_sums = sums.map(|_| parameters.values());
         let problem = Problem::new(Source::Renders(&renders), &observed, &parameters, settings);
-        let outcome = solver::run(problem, settings)?;
+        let mut outcome = solver::run(problem, settings)?;
         iterations += outcome.iterations;
         evaluations += outcome.evaluations;
+        if settings.model == Model::Traced && outcome.equations.cost <= 0.0 {
+            (outcome.converged, outcome.stop) = (false, traced::TOO_FEW.into());
+        }
+        if scouting && !outcome.converged {
+            scouting = false;
+            renders = Renders::new(data, &observed, &parameters, settings)?;
+            continue;
+        }
         parameters.set_internal(&outcome.point);
         let unsettled = exposures(&outcome.equations, &observed, None);
         let images = renders.exposed(&parameters, settings, &unsettled, data)?;
@@ -300,7 +311,7 @@ fn fit_from<'a>(
             return Ok(fit);
         }
         if !served || scouting {
-            scouting &= !served;
+            scouting &= !served && round < MOST_SCOUTING_ROUNDS;
             renders = Renders::new(data, &observed, &parameters, &settings.for_search(scouting))?;
         }
     }

@@ -141,7 +141,7 @@ impl<'a> Renders<'a> {
                 Scene::Filtered(scene) => {
                     with_optics(parameters, settings.model, |optics| scene.filter.coverage(optics))?
                 }
-                Scene::Traced(scene) => Coverage { served: scene.is_fresh(parameters)?, cut: false },
+                Scene::Traced(scene) => Coverage { served: scene.serves(parameters)?, cut: false },
             };
             all = Coverage { served: all.served && coverage.served, cut: all.cut || coverage.cut };
         }

@@ -1,6 +1,7 @@
 //! The optimisers, as argmin solvers: Levenberg-Marquardt within bounds (argmin has none) and argmin's Nelder-Mead.
 //! The only file that mentions argmin.
 
+use super::bounded_step::least_within;
 use super::equations::NormalEquations;
 use super::parameters::Bounds;
 use super::{Problem, Settings};
@@ -10,7 +11,7 @@ use argmin::core::{
     TerminationStatus,
 };
 use argmin::solver::neldermead::NelderMead;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use std::str::FromStr;
 
 /// Choice of optimiser.
@@ -78,8 +79,7 @@ const LONGEST_STEP: f64 = 1.5;
 /// Least curvature for damping, relative to the diagonal before gain and veil were eliminated.
 const LEAST_CURVATURE: f64 = 1e-9;
 
-/// Levenberg-Marquardt on normal equations, projected on bounds: a parameter on a bound that the gradient pushes
-/// against is held for the step, and steps are cut at bounds.
+/// Levenberg-Marquardt on normal equations, within bounds.
 struct LevenbergMarquardt {
     bounds: [Bounds; 3],
     held: [bool; 3],
@@ -102,45 +102,25 @@ impl LevenbergMarquardt {
         }
     }
 
-    /// The damped step from `u`, cut at the bounds.
+    /// The step from `u` to the least value of the damped quadratic model within the bounds.
     fn step(&self, u: &[f64; 3]) -> Vector3<f64> {
         let NormalEquations { gradient, matrix, diagonal, .. } = &self.current;
-        let blocked: [bool; 3] = std::array::from_fn(|i| {
-            let [low, high] = self.bounds[i];
-            self.held[i] || (u[i] <= low && gradient[i] > 0.0) || (u[i] >= high && gradient[i] < 0.0)
-        });
         let mut damped = *matrix;
-        let mut downhill = -gradient;
         for i in 0..3 {
             damped[(i, i)] += self.damping * matrix[(i, i)].max(LEAST_CURVATURE * diagonal[i]);
-            if blocked[i] || diagonal[i] == 0.0 {
-                damped.fill_row(i, 0.0);
-                damped.fill_column(i, 0.0);
-                damped[(i, i)] = 1.0;
-                downhill[i] = 0.0;
-            }
         }
-        let step = solve(&damped, &downhill);
+        let bounds: [Bounds; 3] = std::array::from_fn(|i| {
+            // A held sigma_s may be 0, whose logarithm no step must touch.
+            let still = self.held[i] || diagonal[i] == 0.0;
+            if still { [0.0; 2] } else { self.bounds[i].map(|bound| bound - u[i]) }
+        });
+        let step = least_within(&bounds, gradient, &damped);
         let longest = (0..3).step_by(2).map(|i| step[i].abs()).fold(0.0, f64::max);
-        let step = if longest > LONGEST_STEP { step * (LONGEST_STEP / longest) } else { step };
-        let [low, high] = [0, 1].map(|end| Vector3::from_fn(|i, _| self.bounds[i][end]));
-        // A held sigma_s may be 0, whose logarithm no step must touch.
-        let moved = |i: usize| (u[i] + step[i]).clamp(low[i], high[i]) - u[i];
-        Vector3::from_fn(|i, _| if self.held[i] { 0.0 } else { moved(i) })
+        if longest > LONGEST_STEP { step * (LONGEST_STEP / longest) } else { step }
     }
 
     fn stop(&mut self, reason: TerminationReason) {
         self.status = TerminationStatus::Terminated(reason);
-    }
-}
-
-/// Solution of a symmetric system, by Cholesky where it is positive and by the pseudo-inverse where it is not.
-fn solve(matrix: &Matrix3<f64>, right: &Vector3<f64>) -> Vector3<f64> {
-    match matrix.cholesky() {
-        Some(cholesky) => cholesky.solve(right),
-        None => {
-            matrix.pseudo_inverse(f64::EPSILON).map_or_else(|_| Vector3::zeros(), |inverse| inverse * right)
-        }
     }
 }
 

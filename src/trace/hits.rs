@@ -5,8 +5,9 @@
 //! another medium, with its derivatives, is their reweighted sum ([`likelihood`](super::likelihood)). The direct light is
 //! exact.
 //!
-//! Paths of one set of shapes, shared by all pixels, would all err alike: the kernel that a few thousand of them make is off
-//! by percents at every pixel, and no number of pixels averages that out. Of own paths the errors are white.
+//! Paths of one set of shapes, shared by all pixels, would all err alike, and no number of pixels averages that out; of own paths
+//! the errors are white. Sharing saves the drawing of the paths, not the way to the surface, and loses even at equal time
+//! (docs/wide-angle.md, tests/traced_shapes.rs).
 
 use super::image::{ImageConfig, checked};
 use super::likelihood::{Effective, Information, Likelihood, Reweighting, Turbid};

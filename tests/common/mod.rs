@@ -1,6 +1,8 @@
 //! Scenes and comparators shared by the tests.
 #![allow(dead_code, unused_imports, reason = "each test binary uses its own part")]
 
+pub mod recovery;
+
 pub use narrowbeam::fit::noise::with_noise;
 use narrowbeam::geometry::{Camera, Field, Geometry};
 use narrowbeam::image::Image;
@@ -25,6 +27,19 @@ pub fn sloping(width: usize, height: usize, pixel_pitch: f64, mean_depth: f64, s
         height,
         camera: Camera::orthographic(pixel_pitch).unwrap(),
         depth: Field::Map(depth),
+        behind: Vec::new(),
+        surface: Field::Uniform(0.0),
+    }
+}
+
+/// Half a slope, half a plane behind it, with an edge between them.
+pub fn edge_and_slope(side: usize) -> Geometry {
+    let depth = |x: usize, y: usize| if x < side / 2 { 0.6 + 0.02 * y as f32 } else { 2.0 };
+    Geometry {
+        width: side,
+        height: side,
+        camera: Camera::orthographic(0.05).unwrap(),
+        depth: Field::Map(Image::from_fn(side, side, depth)),
         behind: Vec::new(),
         surface: Field::Uniform(0.0),
     }

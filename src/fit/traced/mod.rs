@@ -14,6 +14,9 @@
 //! measured by batches of the paths (`fit::model_error`).
 
 mod plane;
+mod tracing;
+
+pub use tracing::{MOST_PATHS, Tracing};
 
 use super::Settings;
 use super::equations::Products;
@@ -24,6 +27,7 @@ use crate::error::Result;
 use crate::filter::cpu::Rendering;
 use crate::filter::{Optics, Target};
 use crate::image::Image;
+use crate::medium::Medium;
 use crate::phase::{Family, Gaussian, HenyeyGreenstein};
 use crate::spread::Model;
 use crate::trace::{BATCHES, Hits, ImageConfig, Likelihood, Turbid};
@@ -32,52 +36,19 @@ use std::cell::RefCell;
 use std::ops::Range;
 use std::rc::Rc;
 
-/// What the model `traced` traces.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tracing {
-    /// Paths a scene, at most [`MOST_PATHS`]; `None` leaves it to the program.
-    pub paths: Option<u64>,
-    /// Seed of the random numbers.
-    pub seed: u64,
-    /// Share of the paths that is traced.
-    share: f64,
-}
-
-impl Tracing {
-    /// So many `paths` a scene, by random numbers of this `seed`.
-    pub fn new(paths: Option<u64>, seed: u64) -> Self {
-        Self { paths, seed, share: 1.0 }
-    }
-
-    pub(super) fn fewer(self) -> Self {
-        Self { share: SCOUTS, ..self }
-    }
-
-    fn count(self, default: u64) -> u64 {
-        (self.share * self.paths.unwrap_or(default).min(MOST_PATHS) as f64).ceil() as u64
-    }
-}
-
-impl Default for Tracing {
-    fn default() -> Self {
-        Self::new(None, 1)
-    }
-}
-
 /// Paths of a plane: its kernel's light per octave of radius is then known to some .2 %.
 const PLANE_PATHS: u64 = 1 << 20;
 /// Paths of all pixels of a scene together, 12 to 28 bytes for each that meets light: at 128² px as noisy as an observation of 1 %.
 const SURFACE_PATHS: u64 = 1 << 24;
-/// Most that are traced for a scene, for the sake of memory.
-pub const MOST_PATHS: u64 = 1 << 26;
-/// Share of them with which the medium is sought.
-const SCOUTS: f64 = 0.125;
+/// What ends a fit whose chi² is not above 0: it is one of the halves' products, and the noise of the paths all that is left of it.
+pub(super) const TOO_FEW: &str = "the noise of the traced paths hides the residual: too few paths";
 /// The model whose fit says where tracing begins.
 pub(super) const PILOT: Model = Model::SmallAngle;
 
 /// Share of the paths that must carry the weight for a step to be trusted.
 const TRUSTED: f64 = 1.0 / 3.0;
-/// Share above which paths count as traced in the medium itself.
+/// Share above which paths count as traced in the medium itself. Of scouts that is not asked: their noise alone may lead them
+/// that far at every turn.
 const FRESH: f64 = 0.9;
 
 /// Paths that render a scene, all or some batches of them.
@@ -103,6 +74,8 @@ pub(super) struct Traced<'a> {
     paths: Box<dyn Paths + 'a>,
     /// Coordinates between which a step is trusted.
     pub trust: [Bounds; 3],
+    /// Share of the paths that must carry the weight where the fit ends.
+    enough: f64,
     latest: RefCell<Option<Latest>>,
 }
 
@@ -125,7 +98,8 @@ impl<'a> Traced<'a> {
             let step = squared.sqrt().min(most);
             [here[i] - step, here[i] + step]
         });
-        Ok(Self { paths, trust, latest: RefCell::new(None) })
+        let enough = if settings.tracing.are_scouts() { TRUSTED } else { FRESH };
+        Ok(Self { paths, trust, enough, latest: RefCell::new(None) })
     }
 
     /// The sums of a render and its derivatives at `parameters`.
@@ -180,14 +154,14 @@ impl<'a> Traced<'a> {
         with_optics(parameters, Model::Traced, |optics| self.paths.effective_share(optics))
     }
 
-    /// Whether that is all but all, and no step was cut short for lack of trust.
-    pub(super) fn is_fresh(&self, parameters: &Parameters) -> Result<bool> {
+    /// Whether that is enough, and no step was cut short for lack of trust.
+    pub(super) fn serves(&self, parameters: &Parameters) -> Result<bool> {
         let inside = |(u, [low, high]): (f64, Bounds)| {
             let margin = 1e-6 * (high - low);
             margin.is_infinite() || (low + margin..high - margin).contains(&u)
         };
         let whole = parameters.internal().into_iter().zip(self.trust).all(inside);
-        Ok(whole && self.effective_share(parameters)? >= FRESH)
+        Ok(whole && self.effective_share(parameters)? >= self.enough)
     }
 
     /// Paths traced.
@@ -201,7 +175,20 @@ impl<'a> Traced<'a> {
 /// # Errors
 /// Those of the tracer.
 pub fn render_traced(target: Target, optics: &Optics, tracing: Tracing) -> Result<Image> {
-    Ok(trace(target, optics, tracing, 0)?.render(optics, 0..BATCHES)?.image)
+    render_stretched(target, optics, tracing, (0, 1.0))
+}
+
+/// The same for scene number `scene`, by paths traced in a medium that is thinner by the factor `stretch`, and reweighted. So a
+/// scene and another that is deeper by that factor are seen by paths of the same shapes, whose noise they share.
+pub(super) fn render_stretched(
+    target: Target,
+    optics: &Optics,
+    tracing: Tracing,
+    (scene, stretch): (u64, f64),
+) -> Result<Image> {
+    let medium = Medium::new(optics.medium.sigma_s() / stretch, optics.medium.sigma_a() / stretch)?;
+    let paths = trace(target, &Optics { medium, ..*optics }, tracing, scene)?;
+    Ok(paths.render(optics, 0..BATCHES)?.image)
 }
 
 /// Traces the paths of scene number `scene`.

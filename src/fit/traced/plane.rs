@@ -22,9 +22,10 @@ use crate::trace::{
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Edges of the radius bins, in units of the path length: eight percent apart, over which J0(kr) is averaged.
+/// Edges of the radius bins, in units of the path length: two percent apart, over which J0(kr) is averaged as if light were even
+/// there. It falls outwards, so the kernel comes out too wide: with eight percent B was 1.3 % low in the mean of 16 fits at tau 5.
 fn edges() -> Vec<f64> {
-    log_spaced(1e-6, 1e3, 261)
+    log_spaced(1e-6, 1e3, 1041)
 }
 
 /// Columns of a strip that are copied together.
