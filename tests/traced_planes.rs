@@ -17,7 +17,7 @@ use narrowbeam::phase::{Gaussian, b_of_spread_angle};
 use narrowbeam::relief::Relief;
 use narrowbeam::scene::{FitOptions, Gain};
 use narrowbeam::spread::Model;
-use narrowbeam::trace::{BATCHES, Histories, ImageConfig, Turbid, trace_histories, trace_image};
+use narrowbeam::trace::{BATCHES, Histories, ImageConfig, Scattered, Turbid, trace_histories, trace_image};
 
 /// A checkerboard of unequal cells.
 fn checkerboard(side: usize) -> Image {
@@ -121,7 +121,8 @@ fn a_plane_is_blurred_by_the_kernel_of_its_paths() {
     let cosine = |x: usize| (w * (x as f64 + 0.5)).cos();
     let found = (0..side).map(|x| f64::from(image.at(x, 0)) * cosine(x)).sum::<f64>() * 2.0 / side as f64;
     let (batches, turbid) = (BATCHES as u64, Turbid { sigma_s: 5.0, sigma_a: 0.2, phase });
-    let light = (0..batches).map(|i| trace_histories(turbid, paths / batches, 5 * batches + i).unwrap());
+    let light = (0..batches)
+        .map(|i| trace_histories(turbid, Scattered::Once, paths / batches, 5 * batches + i).unwrap());
     let j0 = |h: Histories<Gaussian>| {
         h.weight * h.paths.iter().map(|p| libm::j0(w / pitch * f64::from(p.radius))).sum::<f64>()
     };

@@ -17,7 +17,7 @@ const NODE: usize = 4 * NUMBERS;
 /// Numbers of a node of the Gaussian's table.
 const NUMBERS: usize = 58;
 /// Nodes in which the shape depends on tracing: half-way along tau.
-const BEGUN: usize = 480;
+const BEGUN: usize = 560;
 /// A run that makes no progress for so long hangs.
 const PATIENCE: Duration = Duration::from_secs(300);
 
