@@ -26,7 +26,8 @@ pub(super) struct Arguments {
     /// Phase function: gaussian, or hg (Henyey-Greenstein)
     #[arg(long, value_name = "NAME", default_value = "gaussian")]
     phase: Family,
-    /// Paths traced for each node, up to eight times as many where absorption takes most of them
+    /// Paths traced for each node; fewer where little light is scattered twice, up to eight times as many where absorption takes
+    /// most of them
     #[arg(long, value_name = "N", default_value_t = 200_000, value_parser = clap::value_parser!(u64).range(1..1 << 32))]
     paths: u64,
     /// Seed of the random numbers

@@ -26,6 +26,8 @@ pub struct Layout {
     /// Ends of the third axis, in its coordinate: the narrowest lobe, within which the shape of the kernel no longer changes in
     /// units of its width, and the widest.
     ends: (f64, f64),
+    /// What [`Layout::bending_at`] adds to the square angle, rad².
+    straight: f64,
     /// Largest sigma_s z and sigma_a z served, and that in words.
     served: [(f64, &'static str); 2],
 }
@@ -49,6 +51,7 @@ static GAUSSIAN: Layout = Layout {
     rungs: 28,
     counts: [10, 8, 14],
     ends: (0.5_f64.to_radians(), 60.0_f64.to_radians()),
+    straight: 0.3,
     served: [
         (12.0, "between 0 and 12, where the table of model wide-angle ends (--model traced has no end)"),
         (10.0, "between 0 and 10, where the table of model wide-angle ends (--model traced has no end)"),
@@ -62,8 +65,9 @@ static GAUSSIAN: Layout = Layout {
 static HENYEY_GREENSTEIN: Layout = Layout {
     family: Family::HenyeyGreenstein,
     rungs: 32,
-    counts: [10, 8, 16],
+    counts: [11, 8, 10],
     ends: (-6.214_608_098_422_191, -std::f64::consts::LN_2),
+    straight: 0.07,
     served: [
         (
             5.0,
@@ -75,13 +79,6 @@ static HENYEY_GREENSTEIN: Layout = Layout {
         ),
     ],
 };
-
-/// What ln(W/phi), which falls like the square angle from 0, is divided by before it is tabulated at the `angle` of a
-/// [`Place`]: lest noise of thick, wide-angle, absorbing media spread to narrow ones. The constant keeps noise of narrow ones
-/// there.
-pub fn bending(angle: f64) -> f64 {
-    angle * angle + 0.3
-}
 
 /// Width of rung `j` in units of the lobe's planar width times z.
 pub fn rung(j: usize) -> f64 {
@@ -147,14 +144,21 @@ impl Layout {
         if coordinate > self.ends.0 { (coordinate, slope) } else { (self.ends.0, 0.0) }
     }
 
-    /// [`bending`] at a shape.
+    /// What ln(W/phi), which falls like the square angle from 0, is divided by before it is tabulated at the `angle` of a
+    /// [`Place`]: lest noise of thick, wide-angle, absorbing media spread to narrow ones. The constant keeps noise of narrow
+    /// ones there, and the quotient's poles, at imaginary angles, away from those served: nearer ones ask for more nodes.
+    pub fn bending_at(&self, angle: f64) -> f64 {
+        angle * angle + self.straight
+    }
+
+    /// The same at a shape.
     pub(super) fn bending(&self, shape: f64) -> Dual {
         let slope = match self.family {
             Family::Gaussian => 4.0,
             Family::HenyeyGreenstein => -2.0,
         };
         let angle = self.family.square_angle(shape).sqrt();
-        Dual { value: bending(angle), gradient: [0.0, 0.0, slope] }
+        Dual { value: self.bending_at(angle), gradient: [0.0, 0.0, slope] }
     }
 
     /// Refuses what is not served.

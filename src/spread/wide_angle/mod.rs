@@ -17,8 +17,8 @@
 //!   Absorption is a third axis rather than a moment of each radius' path lengths, since where it is strong few paths
 //!   of the many at a = 0 arrive, and they are not the typical ones.
 //! - *Slope.* A path's radial slope times its light is laid out on gradients of the same Gaussians, r/s_j² G_j.
-//! - *Light scattered once* comes from quadrature; only the rest is traced. So there is no noise in the 1/r
-//!   singularity, and hardly any at small tau.
+//! - *Light scattered once* comes from quadrature; only the rest is traced, by paths that all scatter twice. So there is no
+//!   noise in the 1/r singularity, and none in the total where small-angle theory holds.
 //! - *Between nodes*: a polynomial on Chebyshev points in sqrt(tau), ln(1 + 2a), and D or ln(1 - g) ([`layout`]). It is
 //!   entire in tau but for the zeros of phi; in a it has its next singularity at the slowest decay of light kept in
 //!   the layer, some -.4. So the error falls geometrically with the number of nodes, and all derivatives are
