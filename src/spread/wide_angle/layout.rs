@@ -26,10 +26,6 @@ pub struct Layout {
     /// Ends of the third axis, in its coordinate: the narrowest lobe, within which the shape of the kernel no longer changes in
     /// units of its width, and the widest.
     ends: (f64, f64),
-    /// What [`Layout::bending_at`] adds to the square angle, rad².
-    straight: f64,
-    /// Largest sigma_s z and sigma_a z served, and that in words.
-    served: [(f64, &'static str); 2],
 }
 
 /// A medium at which a table has numbers.
@@ -51,34 +47,23 @@ static GAUSSIAN: Layout = Layout {
     rungs: 28,
     counts: [10, 8, 14],
     ends: (0.5_f64.to_radians(), 60.0_f64.to_radians()),
-    straight: 0.3,
-    served: [
-        (12.0, "between 0 and 12, where the table of model wide-angle ends (--model traced has no end)"),
-        (10.0, "between 0 and 10, where the table of model wide-angle ends (--model traced has no end)"),
-    ],
 };
 
 /// g of .998 to .5, from ln .002 to ln .5. A lobe narrower than that turns less than .6 % of the light by more than 20 degrees,
-/// where its kernel has another shape. Four more Gaussians reach as far in units of z. Between so few nodes of g the shape of
-/// the kernel is off by up to .7 % of the scattered light at sigma_s z 5 and sigma_a z 2, and by 4 % at 12 and 4, so more is
-/// not served (tests/wide_angle.rs).
+/// where its kernel has another shape. Four more Gaussians reach as far in units of z.
 static HENYEY_GREENSTEIN: Layout = Layout {
     family: Family::HenyeyGreenstein,
     rungs: 32,
-    counts: [11, 8, 10],
+    counts: [10, 8, 16],
     ends: (-6.214_608_098_422_191, -std::f64::consts::LN_2),
-    straight: 0.07,
-    served: [
-        (
-            5.0,
-            "between 0 and 5, where model wide-angle ends for Henyey-Greenstein's lobe (--model traced has no end)",
-        ),
-        (
-            2.0,
-            "between 0 and 2, where model wide-angle ends for Henyey-Greenstein's lobe (--model traced has no end)",
-        ),
-    ],
 };
+
+/// What ln(W/phi), which falls like the square angle from 0, is divided by before it is tabulated at the `angle` of a
+/// [`Place`]: lest noise of thick, wide-angle, absorbing media spread to narrow ones. The constant keeps noise of narrow ones
+/// there, and the quotient's poles, at angles of ± i sqrt(.3), away from those served: nearer ones would ask for more nodes.
+pub fn bending(angle: f64) -> f64 {
+    angle * angle + 0.3
+}
 
 /// Width of rung `j` in units of the lobe's planar width times z.
 pub fn rung(j: usize) -> f64 {
@@ -144,28 +129,32 @@ impl Layout {
         if coordinate > self.ends.0 { (coordinate, slope) } else { (self.ends.0, 0.0) }
     }
 
-    /// What ln(W/phi), which falls like the square angle from 0, is divided by before it is tabulated at the `angle` of a
-    /// [`Place`]: lest noise of thick, wide-angle, absorbing media spread to narrow ones. The constant keeps noise of narrow
-    /// ones there, and the quotient's poles, at imaginary angles, away from those served: nearer ones ask for more nodes.
-    pub fn bending_at(&self, angle: f64) -> f64 {
-        angle * angle + self.straight
-    }
-
-    /// The same at a shape.
+    /// [`bending`] at a shape.
     pub(super) fn bending(&self, shape: f64) -> Dual {
         let slope = match self.family {
             Family::Gaussian => 4.0,
             Family::HenyeyGreenstein => -2.0,
         };
         let angle = self.family.square_angle(shape).sqrt();
-        Dual { value: self.bending_at(angle), gradient: [0.0, 0.0, slope] }
+        Dual { value: bending(angle), gradient: [0.0, 0.0, slope] }
     }
 
     /// Refuses what is not served.
     pub(super) fn check(&self, tau: f64, absorption: f64, shape: f64) -> Result<()> {
-        for ((name, value), (end, allowed)) in
-            [("sigma_s z", tau), ("sigma_a z", absorption)].into_iter().zip(self.served)
-        {
+        for (name, value, end, allowed) in [
+            (
+                "sigma_s z",
+                tau,
+                Self::TAU.1,
+                "between 0 and 12, where the table of model wide-angle ends (--model traced has no end)",
+            ),
+            (
+                "sigma_a z",
+                absorption,
+                Self::ABSORPTION.1,
+                "between 0 and 10, where the table of model wide-angle ends (--model traced has no end)",
+            ),
+        ] {
             in_range(name, value, value >= 0.0 && value <= end * (1.0 + 1e-12), allowed)?;
         }
         match self.family {
@@ -189,6 +178,6 @@ impl Layout {
             Family::Gaussian => [0.0, b_of_spread_angle(self.ends.1)],
             Family::HenyeyGreenstein => [self.family.shape(self.ends.1), 1.0],
         };
-        Range { tau: self.served[0].0, absorption: self.served[1].0, shape }
+        Range { tau: Self::TAU.1, absorption: Self::ABSORPTION.1, shape }
     }
 }

@@ -24,10 +24,9 @@
 //!   the layer, some -.4. So the error falls geometrically with the number of nodes, and all derivatives are
 //!   continuous.
 //!
-//! The range is tau 0 to 12, sigma_a z 0 to 10 and spread angles up to 60 degrees; or g from .5 on, tau 0 to 5 and sigma_a z 0
-//! to 2. The tables in `tables/` were
+//! The range is tau 0 to 12, sigma_a z 0 to 10, and spread angles up to 60 degrees or g from .5 on. The tables in `tables/` were
 //! made by `narrowbeam table --paths 800000 --seed 1 --out tables/wide-angle.table` and `narrowbeam table --phase hg --paths
-//! 300000 --seed 1 --out tables/wide-angle-hg.table`, as their first lines say too.
+//! 200000 --seed 1 --out tables/wide-angle-hg.table`, as their first lines say too.
 
 pub mod layout;
 pub mod table;
