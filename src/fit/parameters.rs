@@ -71,8 +71,7 @@ impl Parameters {
             bounds[i] = options.bounds[i].unwrap_or([low.min(start), high.max(start)]);
             let [low, high] = bounds[i];
             let beyond = "what model wide-angle has kernels for: at the longest path, sigma_s z up to 12, sigma_a z up to 10; \
-                          a spread angle up to 60 degrees; or g from .5 on, sigma_s z up to 5, sigma_a z up to 2; --model traced has \
-                          no such end";
+                          a spread angle up to 60 degrees, or g from .5 on; --model traced has no such end";
             let key = format!("[fit] bounds or start of {name}");
             in_range(&key, high, high <= largest, beyond)?;
             in_range(&key, low, low >= least, beyond)?;

@@ -14,7 +14,7 @@
 //! | `narrow-beam-printed` | phi F(k beta/2), R of eq. 21 | Shinya et al., eq. 20, 21, 26, 28, G = erfc/2 | as published; B comes out low |
 //! | `narrow-beam` | phi F(k beta/2), R exact | the same kernel, exact moments | tau ≲ 2, small angles |
 //! | `small-angle` | T (exp(tau F(kz)) - 1) | Wells 1969; Ishimaru 1978, ch. 13 | tau·4B ≤ .05 to 1 % of M |
-//! | `wide-angle` | a mixture of Gaussians from a table | [`wide_angle`] | tau ≤ 12, sigma_a z ≤ 10, spread angle ≤ 60°; of g ≥ .5: tau ≤ 5, sigma_a z ≤ 2 |
+//! | `wide-angle` | a mixture of Gaussians from a table | [`wide_angle`] | tau ≤ 12, sigma_a z ≤ 10, spread angle ≤ 60° or g ≥ .5 |
 //!
 //! The model `traced` has no kernel: `fit` and `render` trace the scene at hand.
 //!
