@@ -243,7 +243,7 @@ fn errors_of_the_input_have_no_part_of_the_noise_of_the_paths() {
     let slope = sloping(48, 48, 0.05, 1.0, 0.3);
     // Of a slope the noise does not cancel whole: a path that ends in another pixel meets another light.
     for (name, geometry, paths, error, share) in
-        [("plane", plane, 1 << 17, 0.001, 0.1), ("slope", slope, 1 << 21, 0.01, 0.3)]
+        [("plane", plane, 1 << 17, 0.0005, 0.1), ("slope", slope, 1 << 21, 0.01, 0.3)]
     {
         let views = Views::new(vec![geometry], halves(48), [2.0, 0.3, 10.0], 1001);
         for (depth_error, gain_error) in [(error, 0.0), (0.0, error)] {
