@@ -74,7 +74,7 @@ pub fn node(layout: &Layout, place: &Place, paths: u64, seed: u64) -> Result<Vec
     let slope = Laid::slope(layout.rungs, &edges).shares(&radial.slope);
     // The gradient of a Gaussian of width s, r/s² G, has the integral sqrt(pi/2)/s.
     let per_light = rise / (total * (0.5 * std::f64::consts::PI).sqrt());
-    let logarithms = [(total / phi).ln() / bending(angle), per_light.ln()];
+    let logarithms = [(total / phi).ln() / bending(angle), (per_light / width).ln()];
     let roots = light.iter().chain(&slope).map(|share| share.sqrt());
     Ok(logarithms.into_iter().chain(roots).map(|v| v as f32).collect())
 }

@@ -103,7 +103,9 @@ impl<'a> WideAngle<'a> {
         let total = phi * exp(in_medium(node.total));
         let widening = z * phase.planar_width_derivative();
         let width = Dual { value: z * phase.planar_width(), gradient: [0.0, 0.0, widening] };
-        let rise = total * exp(in_medium(node.slope)) * width;
+        let lobe =
+            Dual { value: phase.planar_width(), gradient: [0.0, 0.0, phase.planar_width_derivative()] };
+        let rise = total * exp(in_medium(node.slope)) * lobe * width;
         let shares = |roots: &[Dual]| -> Vec<Dual> {
             let squares: Vec<Dual> = roots.iter().map(|&r| in_medium(r * r)).collect();
             let sum = squares.iter().fold(Dual::default(), |sum, &s| sum + s);

@@ -16,7 +16,7 @@ const KIND: &str = "narrowbeam wide-angle table 1;";
 pub(super) struct Interpolated {
     /// ln(W/phi).
     pub total: Dual,
-    /// ln(V/W).
+    /// ln(V/W) over the lobe's width.
     pub slope: Dual,
     pub light_roots: Vec<Dual>,
     pub slope_roots: Vec<Dual>,
