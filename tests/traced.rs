@@ -1,18 +1,19 @@
 //! The model `traced`: reweighted hits against fresh ones, and what it recovers from images that it did not make, or made of
-//! other paths; of planes behind thick media more in `traced_planes`. That it agrees with the tracer is the agreement of a program with itself: Mitsuba is the witness.
+//! other paths; of planes behind thick media more in `traced_planes`. That it agrees with the tracer is the agreement of a
+//! program with itself: Mitsuba is the witness.
 
 mod common;
 
-use common::edge_and_slope;
 use common::recovery::assert_recovered;
+use common::{edge_and_slope, plainly};
 use narrowbeam::filter::{Filter, Target};
 use narrowbeam::fit::scenes::fit_scenes;
-use narrowbeam::fit::{ChannelFit, Datum, Settings, Tracing, VeilTerm, fit_channel};
+use narrowbeam::fit::{ChannelFit, Settings, Tracing, fit_channel};
 use narrowbeam::geometry::Geometry;
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Family, Gaussian, HenyeyGreenstein, PhaseFunction, b_of_spread_angle};
-use narrowbeam::scene::{FitOptions, Gain, Purpose, Scene, read_truth};
+use narrowbeam::scene::{FitOptions, Purpose, Scene, read_truth};
 use narrowbeam::spread::Model;
 use narrowbeam::trace::{BATCHES, Hits, ImageConfig, Likelihood, Reweighting, Turbid, trace_image};
 use std::path::{Path, PathBuf};
@@ -43,28 +44,22 @@ impl Setting {
     fn fit(&self, observed: &Image, family: Family, shape: Option<f64>, paths: u64) -> ChannelFit {
         let relief = Filter::Auto.relief(&self.geometry);
         let view = View::whole(observed.width, observed.height);
-        let datum = Datum {
-            target: Target {
-                radiance: &self.object,
-                behind: &[],
-                geometry: &self.geometry,
-                border: Border::Mirror,
-                view,
-                relief: relief.as_ref(),
-            },
-            observed,
-            mask: None,
-            hidden_share_max: 0.01,
-            noise: None,
-            gain: Gain::Fixed(1.0),
-            gain_error: 0.0,
-            depth_error: 0.0,
-            veil: VeilTerm::Fixed(0.0),
+        let target = Target {
+            radiance: &self.object,
+            behind: &[],
+            geometry: &self.geometry,
+            border: Border::Mirror,
+            view,
+            relief: relief.as_ref(),
         };
         let options = FitOptions { family, fixed: [None, None, shape], ..FitOptions::default() };
         let tracing = Tracing::new(Some(paths), 7);
-        fit_channel(&[datum], &options, &Settings { model: Model::Traced, tracing, ..Settings::default() })
-            .unwrap()
+        fit_channel(
+            &[plainly(target, observed)],
+            &options,
+            &Settings { model: Model::Traced, tracing, ..Settings::default() },
+        )
+        .unwrap()
     }
 }
 

@@ -4,12 +4,10 @@
 mod common;
 
 use common::recovery::assert_recovered;
-use common::sloping;
+use common::{plainly, sloping};
 use nalgebra::Vector3;
 use narrowbeam::filter::{Filter, Optics, Target};
-use narrowbeam::fit::{
-    ChannelFit, Datum, Settings, Status, Tracing, VeilTerm, advise, fit_channel, render_traced,
-};
+use narrowbeam::fit::{ChannelFit, Datum, Settings, Status, Tracing, advise, fit_channel, render_traced};
 use narrowbeam::geometry::Geometry;
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
@@ -70,23 +68,16 @@ impl Views {
     }
 
     fn data(&self) -> Vec<Datum<'_>> {
-        let datum = |i: usize| Datum {
-            target: Target {
+        let datum = |i: usize| {
+            let target = Target {
                 radiance: &self.object,
                 behind: &[],
                 geometry: &self.geometries[i],
                 border: Border::Mirror,
                 view: View::whole(self.object.width, self.object.height),
                 relief: self.reliefs[i].as_ref(),
-            },
-            observed: &self.observed[i],
-            mask: None,
-            hidden_share_max: 0.01,
-            noise: None,
-            gain: Gain::Fixed(1.0),
-            gain_error: 0.0,
-            depth_error: 0.0,
-            veil: VeilTerm::Fixed(0.0),
+            };
+            plainly(target, &self.observed[i])
         };
         (0..self.geometries.len()).map(datum).collect()
     }

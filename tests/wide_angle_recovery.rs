@@ -5,15 +5,15 @@
 
 mod common;
 
-use common::texture;
+use common::{plainly, texture};
 use nalgebra::Vector3;
 use narrowbeam::filter::Target;
-use narrowbeam::fit::{ChannelFit, Datum, NAMES, Settings, VeilTerm, fit_channel};
+use narrowbeam::fit::{ChannelFit, NAMES, Settings, fit_channel};
 use narrowbeam::geometry::Geometry;
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Gaussian, b_of_spread_angle};
-use narrowbeam::scene::{FitOptions, Gain};
+use narrowbeam::scene::FitOptions;
 use narrowbeam::spread::Model;
 use narrowbeam::trace::{ImageConfig, TracedImage, trace_image};
 
@@ -120,18 +120,12 @@ fn fit(object: &Image, geometry: &Geometry, observed: &Image, model: Model) -> C
         view: View::whole(SIDE, SIDE),
         relief: None,
     };
-    let datum = Datum {
-        target,
-        observed,
-        mask: None,
-        hidden_share_max: 0.01,
-        gain_error: 0.0,
-        depth_error: 0.0,
-        noise: None,
-        gain: Gain::Fixed(1.0),
-        veil: VeilTerm::Fixed(0.0),
-    };
-    fit_channel(&[datum], &FitOptions::default(), &Settings { model, ..Settings::default() }).unwrap()
+    fit_channel(
+        &[plainly(target, observed)],
+        &FitOptions::default(),
+        &Settings { model, ..Settings::default() },
+    )
+    .unwrap()
 }
 
 fn print_heading() {
