@@ -30,7 +30,7 @@ fn reference_error(family: Family) -> f64 {
 
 /// Relative error of the lobe's width by which the shape of its kernel is off. The encircled energy of Henyey-Greenstein's is off
 /// by up to .6 % of the scattered light (same command), and a lobe wider by w changes that of light scattered once by up to .3 w;
-/// the lobe of `hg-90` came out 1 % too narrow. The Gaussian's shape is off by less than its total.
+/// the lobe of `hg-90` came out half a percent too narrow. The Gaussian's shape is off by less than its total.
 fn width_error(family: Family) -> f64 {
     match family {
         Family::Gaussian => 0.0,
