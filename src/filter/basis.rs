@@ -10,7 +10,7 @@ use super::slices::{Node, Slices};
 use super::{Optics, Target};
 use crate::error::Result;
 use crate::geometry::Camera;
-use crate::image::View;
+use crate::image::{Image, View};
 use crate::spread::Dual;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -21,6 +21,9 @@ const MOST_DEPTHS: usize = 2;
 /// Largest width in units of the object's larger side: that of thick media whose single scattering is as wide as three
 /// sides.
 const WIDEST: f64 = 8.0;
+
+/// Columns of a strip that are copied together.
+const BLOCK: usize = 256;
 
 /// The images of one target, not yet computed.
 pub struct Basis<'a> {
@@ -115,6 +118,33 @@ impl<'a> Basis<'a> {
     }
 }
 
+impl Basis<'_> {
+    /// All images, computed.
+    pub fn all_images(&self) -> Vec<Image> {
+        let View { width, height, .. } = self.target.view;
+        let images = self.images();
+        let strips = images.strips();
+        let strip = |strip: &Range<usize>| {
+            let mut rows = vec![vec![0.0; width * strip.len()]; self.count()];
+            images.blocks(strip, BLOCK, |columns, blocks| {
+                for (rows, lanes) in rows.iter_mut().zip(blocks) {
+                    for (x, lane) in columns.clone().zip(lanes) {
+                        (0..strip.len()).for_each(|y| rows[y * width + x] = lane[y]);
+                    }
+                }
+            });
+            rows
+        };
+        let parts: Vec<Vec<Vec<f32>>> = strips.par_iter().map(strip).collect();
+        let image = |i: usize| Image {
+            width,
+            height,
+            data: parts.iter().flat_map(|rows| rows[i].iter().copied()).collect(),
+        };
+        (0..self.count()).map(image).collect()
+    }
+}
+
 /// All images, to be computed in strips of [`STRIP`] rows of the view.
 pub struct Images<'a> {
     view: View,
@@ -146,4 +176,14 @@ impl Images<'_> {
             f(range, &block);
         }
     }
+}
+
+/// The sum of `images`, each times its weight.
+pub fn combination(weights: &[f64], images: &[Image]) -> Image {
+    let first = &images[0];
+    let pixel = |i: usize| {
+        let terms = weights.iter().zip(images);
+        terms.map(|(weight, image)| weight * f64::from(image.data[i])).sum::<f64>() as f32
+    };
+    Image { data: (0..first.data.len()).into_par_iter().map(pixel).collect(), ..*first }
 }

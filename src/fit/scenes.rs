@@ -1,14 +1,17 @@
 //! Fitting scene files: one fit a channel, over all scenes.
 
-use super::report::FitReport;
-use super::{ChannelFit, Datum, Intervals, NoiseTerm, Parameters, Settings, VeilTerm};
-use super::{advise, fit_channel, path_lengths};
+use super::inference::ChannelFit;
+use super::interval::Intervals;
+use super::observation::{NoiseTerm, Observation, VeilTerm};
+use super::parameters::Parameters;
+use super::report::{Fit, Ways, suffix};
+use super::{Settings, fit_channel};
 use crate::error::{Error, Result};
 use crate::filter::{Filter, Target};
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, path_lengths};
 use crate::image::{Channel, Image};
 use crate::relief::Relief;
-use crate::scene::{FitOptions, Noise, Scene, Veil};
+use crate::scene::{FitOptions, Noise, ObservedScene, Veil};
 use std::time::Instant;
 
 /// The fits of all channels, the images that they leave, and the report.
@@ -17,7 +20,7 @@ pub struct SceneFit {
     /// Name and fit of each channel.
     pub channels: Vec<(String, ChannelFit)>,
     /// The report for users.
-    pub report: FitReport,
+    pub report: Fit,
 }
 
 impl SceneFit {
@@ -38,43 +41,29 @@ impl SceneFit {
         self.channels.iter().map(channel).collect()
     }
 
-    /// Adds to the report, under `key` of each parameter, the intervals that `find` makes of each channel's data, fit and
-    /// options.
+    /// Adds to the report the intervals that `find` makes of each channel's observations, fit and options, found in this way.
     ///
     /// # Errors
     /// Those of `find`.
     pub fn add_intervals(
         &mut self,
-        key: &str,
-        scenes: &[Scene],
+        way: Ways,
+        scenes: &[ObservedScene],
         filter: Filter,
-        mut find: impl FnMut(&[Datum], &ChannelFit, &FitOptions) -> Result<Intervals>,
+        mut find: impl FnMut(&[Observation], &ChannelFit, &FitOptions) -> Result<Intervals>,
     ) -> Result<()> {
         let reliefs = reliefs(scenes, filter);
         for (i, (name, fit)) in self.channels.iter().enumerate() {
-            let intervals = find(&data(scenes, &reliefs, i), fit, &scenes[0].fit[i])?;
-            let suffix = if self.channels.len() == 1 { String::new() } else { format!(".{name}") };
-            for (parameter, interval) in fit.parameters.names().iter().zip(intervals) {
-                self.report.parameters[&format!("{parameter}{suffix}")][key] = serde_json::json!(interval);
+            let intervals = find(&observations(scenes, &reliefs, i), fit, &scenes[0].scene.fit[i])?;
+            let suffix = suffix(name, self.channels.len());
+            for (parameter, interval) in intervals {
+                self.report.add_interval(&format!("{parameter}{suffix}"), way, interval);
             }
         }
         Ok(())
     }
 
-    /// Adds to the report which measurement would free what is undetermined, if something is.
-    ///
-    /// # Errors
-    /// As [`advise`].
-    pub fn add_advice(&mut self, scenes: &[Scene], settings: &Settings, filter: Filter) -> Result<()> {
-        let reliefs = reliefs(scenes, filter);
-        for (i, (name, fit)) in self.channels.iter().enumerate() {
-            let advice = advise(&data(scenes, &reliefs, i), fit, settings)?;
-            self.report.add_advice(name, self.channels.len(), fit, &advice);
-        }
-        Ok(())
-    }
-
-    /// Whether some light of some scene may be hidden, be it enough to leave pixels out or not.
+    /// Whether some light of some scene may be hidden, even if too little to leave pixels out.
     pub fn hides(&self) -> bool {
         self.channels.iter().any(|(_, fit)| fit.hidden_shares.iter().any(Option::is_some))
     }
@@ -93,70 +82,72 @@ impl SceneFit {
 /// Refuses scenes that cannot be fitted together with `settings`, before any work is done.
 ///
 /// # Errors
-/// [`Error::Scene`] if the scenes have different channels or no observation, [`Error::NothingToFit`] if every
-/// parameter is fixed, [`Error::OutOfRange`] for a start outside its bounds.
-pub fn check_scenes(scenes: &[Scene], settings: &Settings) -> Result<()> {
-    let first = &scenes[0];
-    for scene in scenes {
-        let wrong = if scene.observation.is_none() {
-            "[observation] is missing".to_string()
-        } else if names(scene) != names(first) {
-            format!(
+/// [`Error::Scene`] if the scenes have different channels, [`Error::NothingToFit`] if every parameter is fixed,
+/// [`Error::OutOfRange`] for a start outside its bounds.
+pub fn check_scenes(scenes: &[ObservedScene], settings: &Settings) -> Result<()> {
+    let first = &scenes[0].scene;
+    for ObservedScene { scene, .. } in scenes {
+        if scene.channels() != first.channels() {
+            let message = format!(
                 "its channels {:?} are not those of {}: {:?}",
-                names(scene),
+                scene.channels(),
                 first.path.display(),
-                names(first)
-            )
-        } else {
-            continue;
-        };
-        return Err(Error::Scene { path: scene.path.clone(), message: wrong });
+                first.channels()
+            );
+            return Err(Error::Scene { path: scene.path.clone(), message });
+        }
     }
-    let depths: Vec<&Geometry> = scenes.iter().map(|s| &s.geometry).collect();
+    let depths: Vec<&Geometry> = scenes.iter().map(|s| &s.scene.geometry).collect();
     let lengths = path_lengths(&depths);
     for options in &first.fit {
-        Parameters::new(options, settings.model, lengths)?;
+        Parameters::new(options, settings.model, lengths).map_err(|e| e.about("[fit]"))?;
     }
     Ok(())
 }
 
-fn names(scene: &Scene) -> Vec<String> {
-    scene.object.iter().map(|c| c.name.clone()).collect()
-}
-
-/// Fits `scenes`, read for [`Purpose::Fit`](crate::scene::Purpose::Fit), which share one medium a channel. Options
-/// of `[fit]` are the first scene's.
+/// Fits `scenes`, which share one medium a channel. Options of `[fit]` are the first scene's. `progress` is called after every
+/// render.
 ///
 /// # Errors
 /// As [`check_scenes`] and [`fit_channel`].
-pub fn fit_scenes(scenes: &[Scene], settings: &Settings, filter: Filter) -> Result<SceneFit> {
+pub fn fit_scenes(
+    scenes: &[ObservedScene],
+    settings: &Settings,
+    filter: Filter,
+    progress: &dyn Fn(),
+) -> Result<SceneFit> {
     check_scenes(scenes, settings)?;
     let clock = Instant::now();
-    let first = &scenes[0];
+    let first = &scenes[0].scene;
     let reliefs = reliefs(scenes, filter);
     let mut channels = Vec::new();
-    for (i, name) in names(first).into_iter().enumerate() {
-        channels.push((name, fit_channel(&data(scenes, &reliefs, i), &first.fit[i], settings)?));
+    for (i, name) in first.channels().into_iter().enumerate() {
+        let observations = observations(scenes, &reliefs, i);
+        channels.push((name.to_string(), fit_channel(&observations, &first.fit[i], settings, progress)?));
     }
     let used = Filter::of(reliefs.iter().flatten().next());
-    let report = FitReport::new(&channels, settings, used, clock.elapsed().as_secs_f64());
+    let report = Fit::new(&channels, settings, used, clock.elapsed().as_secs_f64());
     Ok(SceneFit { channels, report })
 }
 
 /// What `filter` needs to know of the depth map of each scene.
-pub(super) fn reliefs(scenes: &[Scene], filter: Filter) -> Vec<Option<Relief>> {
-    scenes.iter().map(|scene| filter.relief(&scene.geometry)).collect()
+pub(super) fn reliefs(scenes: &[ObservedScene], filter: Filter) -> Vec<Option<Relief>> {
+    scenes.iter().map(|s| filter.relief(&s.scene.geometry)).collect()
 }
 
 /// Channel `i` of all scenes.
-pub(super) fn data<'a>(scenes: &'a [Scene], reliefs: &'a [Option<Relief>], i: usize) -> Vec<Datum<'a>> {
-    scenes.iter().zip(reliefs).map(|(scene, relief)| datum(scene, relief.as_ref(), i)).collect()
+pub(super) fn observations<'a>(
+    scenes: &'a [ObservedScene],
+    reliefs: &'a [Option<Relief>],
+    i: usize,
+) -> Vec<Observation<'a>> {
+    scenes.iter().zip(reliefs).map(|(scene, relief)| observation(scene, relief.as_ref(), i)).collect()
 }
 
 /// Channel `i` of an observed scene.
-fn datum<'a>(scene: &'a Scene, relief: Option<&'a Relief>, i: usize) -> Datum<'a> {
-    let observation = scene.observation.as_ref().expect("checked by the caller");
-    Datum {
+fn observation<'a>(seen: &'a ObservedScene, relief: Option<&'a Relief>, i: usize) -> Observation<'a> {
+    let ObservedScene { scene, observation } = seen;
+    Observation {
         target: Target {
             radiance: &scene.object[i].image,
             behind: &scene.behind[i],
@@ -180,5 +171,6 @@ fn datum<'a>(scene: &'a Scene, relief: Option<&'a Relief>, i: usize) -> Datum<'a
             Veil::Image(channels) => VeilTerm::Image(&channels[i].image),
             Veil::Free => VeilTerm::Free,
         },
+        registration: observation.registration,
     }
 }

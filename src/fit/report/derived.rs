@@ -1,50 +1,70 @@
 //! What follows from the parameters of a fit.
 
-use super::Gauge;
-use crate::fit::ChannelFit;
-use crate::medium::Medium;
-use crate::phase::{Family, Lobe, PhaseFunction};
+use super::Regime;
+use crate::fit::inference::ChannelFit;
+use crate::forward::Quantity;
+use crate::phase::{Family, Phase, PhaseFunction};
 use crate::spread::Model;
-use nalgebra::Vector3;
-use serde_json::{Value, json};
+use serde::{Deserialize, Serialize};
+
+/// A quantity that follows from the parameters.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[serde(untagged)]
+pub enum Derived {
+    /// With its standard error.
+    Estimate {
+        /// Its value.
+        value: f64,
+        /// Its standard error; null where the data do not decide it.
+        std_error: Option<f64>,
+    },
+    /// A number.
+    Number(f64),
+    /// In words.
+    Words(String),
+}
 
 /// What follows from the parameters of one channel.
-pub(super) fn derived(fit: &ChannelFit, model: Model) -> Vec<(&'static str, Value)> {
-    let [sigma_s, sigma_a, shape] = fit.parameters.values();
-    let medium = Medium::new(sigma_s, sigma_a).expect("parameters stay in their range");
-    let error =
-        |gradient: [f64; 3], scale: f64| fit.variance_of(&Vector3::from(gradient)).map(|v| v.sqrt() * scale);
+pub(super) fn derived(fit: &ChannelFit, model: Model) -> Vec<(&'static str, Derived)> {
+    let medium = fit.parameters.medium().expect("parameters stay in their range");
+    let estimate = |value: f64, parts: &[(Quantity, f64)], scale: f64| {
+        let variance = fit.variance_of(&fit.parameters.direction(parts));
+        Derived::Estimate { value, std_error: variance.map(|v| v.sqrt() * scale) }
+    };
+    let number = Derived::Number;
     let z = fit.median_z;
-    let sigma_t = json!({ "value": medium.sigma_t(), "std_error": error([sigma_s, 1.0, 0.0], 1.0) });
-    let mut all = vec![("sigma_t", sigma_t)];
+    let of_sigma_t = [(Quantity::SigmaS, medium.sigma_s()), (Quantity::SigmaA, 1.0)];
+    let mut all = vec![("sigma_t", estimate(medium.sigma_t(), &of_sigma_t, 1.0))];
+    let phase = *medium.phase();
     if model.spreads() {
-        let (name, product) = product(sigma_s, fit.parameters.family(), shape);
-        all.push((name, json!({ "value": product, "std_error": error([1.0, 0.0, 1.0], product) })));
+        let (name, product) = product(medium.sigma_s(), &phase);
+        let parts = [(Quantity::SigmaS, 1.0), (Quantity::Phase, 1.0)];
+        all.push((name, estimate(product, &parts, product)));
     }
-    all.push(("tau", json!(medium.tau(z))));
-    all.push(("optical_depth", json!(medium.sigma_t() * z)));
-    all.push(("albedo", json!(medium.albedo())));
+    all.push(("tau", number(medium.tau(z))));
+    all.push(("optical_depth", number(medium.sigma_t() * z)));
+    all.push(("albedo", number(medium.albedo())));
     if model.spreads() {
-        let phase = fit.parameters.family().lobe(shape).expect("parameters stay in their range");
-        if let Lobe::Gaussian(phase) = phase {
-            all.push(("spread_angle_deg", json!(phase.spread_angle().to_degrees())));
+        if let Phase::Gaussian(phase) = phase {
+            all.push(("spread_angle_deg", number(phase.spread_angle().to_degrees())));
         }
-        all.push(("g", json!(phase.mean_cosine())));
-        let gauge = Gauge::of(fit).expect("parameters stay in their range");
-        all.push(("validity", json!(gauge.validity)));
-        all.push(("scattered_share", json!(gauge.scattered_share)));
-        all.push(("kernel_width_px", json!(gauge.kernel_width_px)));
-        all.push(("kernel_width_views", json!(gauge.kernel_width_views)));
-        all.push(("verdict", json!(gauge.verdict())));
+        all.push(("g", number(phase.mean_cosine())));
+        let regime = Regime::of(fit).expect("parameters stay in their range");
+        all.push(("validity", number(regime.validity)));
+        all.push(("scattered_share", number(regime.scattered_share)));
+        all.push(("kernel_width_px", number(regime.kernel_width_px)));
+        all.push(("kernel_width_views", number(regime.kernel_width_views)));
+        all.push(("verdict", Derived::Words(regime.in_words())));
     }
-    all.push(("z", json!(z)));
+    all.push(("z", number(z)));
     all
 }
 
-/// What thick media show of sigma_s and the shape: sigma_s·B, or the reduced scattering coefficient sigma_s (1 - g).
-fn product(sigma_s: f64, family: Family, shape: f64) -> (&'static str, f64) {
-    match family {
-        Family::Gaussian => ("sigma_s_b", sigma_s * shape),
-        Family::HenyeyGreenstein => ("sigma_s_reduced", sigma_s * (1.0 - shape)),
+/// What thick media show of sigma_s and the phase function: sigma_s·B, or the reduced scattering coefficient sigma_s (1 - g).
+fn product(sigma_s: f64, phase: &Phase) -> (&'static str, f64) {
+    match phase.family() {
+        Family::Gaussian => ("sigma_s_b", sigma_s * phase.parameter()),
+        Family::HenyeyGreenstein => ("sigma_s_reduced", sigma_s * (1.0 - phase.parameter())),
     }
 }

@@ -1,45 +1,59 @@
-//! The part of the report on what is determined where not everything is, and on what would free the rest.
+//! What is determined where not everything is, and what would free the rest.
 
-use super::{FitReport, significant};
-use crate::fit::{Advice, ChannelFit};
-use serde_json::{Map, Value, json};
+use super::Fit;
+use super::build::suffix;
+use crate::fit::design::Advice;
+use crate::fit::inference::{ChannelFit, Combination};
+use indexmap::IndexMap;
+use serde::{Deserialize, Serialize};
 
-impl FitReport {
+/// A combination that the data of a channel determine.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub struct Determined {
+    /// The combination.
+    #[serde(flatten)]
+    pub combination: Combination,
+    /// The channel.
+    pub channel: String,
+}
+
+/// A measurement, and what would be known with it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub struct AdviceReport {
+    /// The channel.
+    pub channel: String,
+    /// What would be measured or known besides.
+    pub measurement: String,
+    /// Whether every free parameter would be determined.
+    pub frees: bool,
+    /// Standard errors of the parameters; null where fixed or still undetermined.
+    pub std_errors: IndexMap<String, Option<f64>>,
+    /// The same for people.
+    pub message: String,
+}
+
+impl Fit {
     /// Adds the combinations that `channel` determines.
     pub(super) fn add_determined(&mut self, channel: &str, fit: &ChannelFit) {
-        for combination in &fit.determined {
-            let mut entry = json!(combination);
-            entry["channel"] = json!(channel);
-            self.determined.push(entry);
-        }
+        let determined = |combination: &Combination| Determined {
+            combination: combination.clone(),
+            channel: channel.into(),
+        };
+        self.determined.extend(fit.determined.iter().map(determined));
     }
 
     /// Adds the `advice` for `channel`, one of `channels`.
-    pub(crate) fn add_advice(&mut self, channel: &str, channels: usize, fit: &ChannelFit, advice: &[Advice]) {
-        let suffix = if channels == 1 { String::new() } else { format!(".{channel}") };
-        for one in advice {
-            let names = fit.parameters.names().into_iter().map(String::from);
-            let errors: Map<String, Value> = names.zip(one.std_errors.iter().map(|e| json!(e))).collect();
-            self.advice.push(json!({
-                "channel": channel, "measurement": one.measurement, "frees": one.frees, "std_errors": errors,
-                "message": one.line(&fit.parameters, &suffix),
-            }));
-        }
-    }
-
-    /// What is determined, and what would free the rest, as lines for people.
-    pub(super) fn identified(&self) -> Vec<String> {
-        let number = |v: &Value| v.as_f64().map_or_else(|| "-".to_string(), significant);
-        let combination = |c: &Value| {
-            let name = c["combination"].as_str().unwrap_or_default();
-            let percent = 100.0 * c["relative_error"].as_f64().unwrap_or(f64::NAN);
-            format!(
-                "determined: {name} = {} ± {} ({percent:.2} %)",
-                number(&c["value"]),
-                number(&c["std_error"])
-            )
+    pub(crate) fn add_advice(&mut self, channel: &str, channels: usize, advice: &[Advice]) {
+        let suffix = suffix(channel, channels);
+        let report = |one: &Advice| AdviceReport {
+            channel: channel.into(),
+            measurement: one.measurement.into(),
+            frees: one.frees,
+            std_errors: one.std_errors.iter().cloned().collect(),
+            message: one.line(&suffix),
         };
-        let advice = |a: &Value| format!("advice: {}", a["message"].as_str().unwrap_or_default());
-        self.determined.iter().map(combination).chain(self.advice.iter().map(advice)).collect()
+        self.advice.extend(advice.iter().map(report));
     }
 }

@@ -1,0 +1,101 @@
+//! From the optimum to what is known: covariance, errors of model and input, what the data determine, and whether the residual
+//! is noise.
+
+mod channel_fit;
+mod covariance;
+mod displacement;
+mod exposure;
+mod identifiability;
+mod input_error;
+mod lack_of_fit;
+mod model_error;
+
+pub use channel_fit::ChannelFit;
+pub use covariance::{Covariance, Status};
+pub use exposure::ExposureEstimate;
+pub use identifiability::Combination;
+pub use input_error::InputError;
+pub use model_error::ModelError;
+
+pub(super) use covariance::Z95;
+pub(super) use displacement::Displacement;
+pub(super) use lack_of_fit::LACKING;
+
+use super::observation::{Observation, Observed};
+use super::optimise::{Optimum, Task};
+use crate::error::Result;
+use crate::scene::Gain;
+use exposure::exposures;
+use identifiability::determined;
+use lack_of_fit::lack_of_fit;
+
+/// What `optimum` says of the medium of `task`.
+///
+/// # Errors
+/// Those of renders by the model and by the reference of all errors.
+pub(super) fn infer(task: &Task, mut optimum: Optimum) -> Result<ChannelFit> {
+    let (equations, parameters) = (&optimum.equations, &optimum.parameters);
+    let free_exposures = task.observations.iter().map(Observation::free_exposure).sum::<usize>();
+    let fitted = parameters.free_count() + free_exposures;
+    let pixels = optimum.observed.iter().map(Observed::count).sum::<usize>();
+    let reduced_chi2 = 2.0 * equations.cost / pixels.saturating_sub(fitted).max(1) as f64;
+    // Where the noise was only estimated, a misfit counts as noise for the error bars.
+    let variance_scale = if task.estimates_noise() { reduced_chi2.max(1.0) } else { 1.0 };
+    let mut covariance = Covariance::new(equations, parameters, variance_scale);
+    let gauss_newton_step = covariance.step(&equations.gradient);
+    let exposures = exposures(equations, &optimum.observed, &covariance);
+    let (transforms, paths) = (optimum.models.transforms(), optimum.models.paths(parameters)?);
+    let mut at_optimum = Displacement {
+        exposures: Displacement::exposures(equations),
+        observed: &optimum.observed,
+        models: &mut optimum.models,
+        parameters,
+        covariance: &covariance,
+        engine: task.settings.engine(),
+        progress: task.progress,
+    };
+    let model_error = ModelError::new(&mut at_optimum)?;
+    let input_error = InputError::new(&mut at_optimum)?;
+    let lacking = optimum.observed.iter().zip(&optimum.images).map(|(o, image)| lack_of_fit(o, image));
+    let lack_of_fit = lacking.fold(0.0, f64::max);
+    if let Some(error) = &model_error {
+        covariance
+            .mark_undetermined(parameters, |g| error.reference_of(g) + error.variance_of(g).sqrt());
+    }
+    let first = task.observations[0].target;
+    let mut fit = ChannelFit {
+        model: task.settings.model,
+        start: optimum.start,
+        model_error,
+        input_error,
+        gauss_newton_step,
+        lack_of_fit,
+        exposures,
+        covariance,
+        cost: optimum.equations.cost,
+        reduced_chi2,
+        fitted,
+        pixels,
+        hidden_pixels: optimum.observed.iter().map(|o| o.hidden).sum(),
+        median_z: task.lengths().median,
+        pixel_pitch: first.geometry.median_pixel_pitch(),
+        view_px: first.view.width.min(first.view.height),
+        converged: optimum.converged,
+        settled: optimum.settled,
+        cut: optimum.cut,
+        stop: optimum.stop,
+        iterations: optimum.iterations,
+        evaluations: optimum.evaluations,
+        by_gram: optimum.by_gram,
+        gram_evaluations: optimum.gram_evaluations,
+        transforms,
+        paths,
+        free_gain: task.observations.iter().any(|o| o.gain == Gain::Free),
+        renders: optimum.images,
+        hidden_shares: optimum.hidden_shares,
+        parameters: optimum.parameters,
+        determined: Vec::new(),
+    };
+    fit.determined = determined(task.observations, &fit);
+    Ok(fit)
+}

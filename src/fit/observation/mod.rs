@@ -1,0 +1,103 @@
+//! What was observed: one channel of one scene, its pixels that count, and what enters it linearly.
+
+mod exposure;
+mod observed;
+mod registration;
+pub mod white_noise;
+
+pub(super) use exposure::{Linear, LinearTerm};
+pub(super) use observed::Observed;
+pub(super) use registration::Aligned;
+
+use crate::filter::Target;
+use crate::forward::Exposure;
+use crate::image::Image;
+use crate::scene::{Gain, Registration};
+
+/// The veil of one channel, in units of the observation.
+#[derive(Debug, Clone, Copy)]
+pub enum VeilTerm<'a> {
+    /// A known number.
+    Fixed(f64),
+    /// A known image, of the view's size.
+    Image(&'a Image),
+    /// One constant, fitted.
+    Free,
+}
+
+/// The noise of one channel.
+#[derive(Debug, Clone, Copy)]
+pub enum NoiseTerm<'a> {
+    /// One standard deviation for all pixels.
+    Level(f64),
+    /// The variance of each pixel, an image of the view's size, above 0 where a pixel counts.
+    Variance(&'a Image),
+}
+
+/// One channel of one scene, with what was seen of it.
+#[derive(Debug, Clone, Copy)]
+pub struct Observation<'a> {
+    /// The object and its view.
+    pub target: Target<'a>,
+    /// The observed image, of the view's size.
+    pub observed: &'a Image,
+    /// Pixels above 0 count.
+    pub mask: Option<&'a Image>,
+    /// Pixels of which a larger share of the light may be hidden do not count.
+    pub hidden_share_max: f64,
+    /// The noise of a pixel, if known.
+    pub noise: Option<NoiseTerm<'a>>,
+    /// Exposure.
+    pub gain: Gain,
+    /// Relative standard error of a gain that is given.
+    pub gain_error: f64,
+    /// Relative standard error of all depths together.
+    pub depth_error: f64,
+    /// Veil.
+    pub veil: VeilTerm<'a>,
+    /// Whether the observed image lies on the clear one, or is to be registered.
+    pub registration: Registration,
+}
+
+impl<'a> Observation<'a> {
+    /// `target` seen as `observed`: gain 1, no veil, noise not known, all pixels count, registered already.
+    pub fn plain(target: Target<'a>, observed: &'a Image) -> Self {
+        Self {
+            target,
+            observed,
+            mask: None,
+            hidden_share_max: HIDDEN_SHARE_MAX,
+            noise: None,
+            gain: Gain::Fixed(1.0),
+            gain_error: 0.0,
+            depth_error: 0.0,
+            veil: VeilTerm::Fixed(0.0),
+            registration: Registration::None,
+        }
+    }
+
+    /// Whether the pixel `index` of the view is not masked.
+    pub(super) fn is_unmasked(&self, index: usize) -> bool {
+        self.mask.is_none_or(|mask| mask.data[index] > 0.0)
+    }
+
+    /// The image as observed: gain · `image` + veil.
+    pub(super) fn exposed(&self, mut image: Image, exposure: Exposure) -> Image {
+        let gain = exposure.gain as f32;
+        let constant = if let VeilTerm::Fixed(veil) = self.veil { veil } else { exposure.veil } as f32;
+        for (i, v) in image.data.iter_mut().enumerate() {
+            let veil = if let VeilTerm::Image(veil) = self.veil { veil.data[i] } else { constant };
+            *v = gain * *v + veil;
+        }
+        image
+    }
+
+    /// How many of gain and veil are free.
+    pub(super) fn free_exposure(&self) -> usize {
+        usize::from(self.gain == Gain::Free) + usize::from(matches!(self.veil, VeilTerm::Free))
+    }
+}
+
+/// Share of hidden light above which a pixel does not count, unless told otherwise: less is lost in the noise of ordinary
+/// images.
+pub const HIDDEN_SHARE_MAX: f64 = 0.01;

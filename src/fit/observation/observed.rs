@@ -1,0 +1,202 @@
+//! One observed scene: which of its pixels count, with what weight, and how noisy they are.
+
+use super::exposure::Linear;
+use super::{NoiseTerm, Observation, VeilTerm};
+use crate::error::{Error, Result, in_range};
+use crate::forward::{Exposure, Pixel, Pixels, Products};
+use crate::image::Image;
+use crate::scene::Gain;
+
+/// Relative error of a render: an observation without noise cannot be known better than that.
+const RENDER_ERROR: f64 = 1e-5;
+/// Share of the pixels by which what hidden light leaves out may still change.
+const HIDDEN_SETTLED: f64 = 0.002;
+/// With fewer pixels whose neighbours all count, the noise is taken from the residuals themselves.
+const FEWEST_LAPLACIANS: i32 = 100;
+
+/// An observation with its pixels gathered.
+#[derive(Clone)]
+pub(crate) struct Observed<'a> {
+    pub observation: Observation<'a>,
+    /// Whether each pixel of the view counts.
+    counts: Vec<bool>,
+    /// Those that do. Each has the weight [`noise`](Self::noise) squared over its own variance.
+    pixels: Pixels,
+    /// Pixels that do not because of hidden light.
+    pub hidden: usize,
+    /// Standard deviation of a pixel of weight 1; where variances are given, the root of their harmonic mean.
+    pub noise: f64,
+}
+
+impl<'a> Observed<'a> {
+    pub(crate) fn new(observation: &Observation<'a>) -> Result<Self> {
+        let gain = if let Gain::Fixed(gain) = observation.gain { gain } else { 1.0 };
+        let reference = Exposure { gain, veil: 0.0 };
+        let mut observed = Self {
+            observation: *observation,
+            counts: Vec::new(),
+            pixels: Pixels { counted: Vec::new(), total: observation.observed.data.len(), reference },
+            hidden: 0,
+            noise: match observation.noise {
+                Some(NoiseTerm::Level(noise)) => noise,
+                _ => 1.0,
+            },
+        };
+        observed.gather(|_| true);
+        if observed.count() == 0 {
+            return Err(Error::NothingToFit("the mask leaves no pixel".into()));
+        }
+        if let Some(NoiseTerm::Variance(variance)) = observation.noise {
+            check_variances(variance, &observed.pixels)?;
+            let sum: f64 = observed.counted().iter().map(|p| f64::from(p.weight)).sum();
+            observed.noise = (observed.count() as f64 / sum).sqrt();
+            observed.gather(|_| true);
+        }
+        Ok(observed)
+    }
+
+    /// Gathers the pixels that the mask lets count, if they are `shown`.
+    fn gather(&mut self, shown: impl Fn(usize) -> bool) {
+        let observation = self.observation;
+        let veil = |i: usize| match observation.veil {
+            VeilTerm::Fixed(v) => v as f32,
+            VeilTerm::Image(image) => image.data[i],
+            VeilTerm::Free => 0.0,
+        };
+        let unit = self.noise * self.noise;
+        let weight = |i: usize| match observation.noise {
+            Some(NoiseTerm::Variance(image)) => (unit / f64::from(image.data[i])) as f32,
+            _ => 1.0,
+        };
+        let all = &observation.observed.data;
+        let unmasked = |i: &usize| observation.is_unmasked(*i);
+        self.counts = (0..all.len()).map(|i| unmasked(&i) && shown(i)).collect();
+        self.hidden = (0..all.len()).filter(unmasked).filter(|&i| !shown(i)).count();
+        let pixel = |i: usize| Pixel { index: i as u32, value: all[i] - veil(i), weight: weight(i) };
+        self.pixels.counted = (0..all.len()).filter(|&i| self.counts[i]).map(pixel).collect();
+    }
+
+    /// Leaves out the pixels of which more than the observation's share of light may be hidden; returns whether that
+    /// differs from what was left out before by enough to matter.
+    ///
+    /// # Errors
+    /// [`Error::NothingToFit`] if no pixel is left.
+    pub(crate) fn leave_out_hidden(&mut self, share: &Image) -> Result<bool> {
+        let most = self.observation.hidden_share_max;
+        let shown = |i: usize| f64::from(share.data[i]) <= most;
+        let changed = (0..share.data.len())
+            .filter(|&i| self.observation.is_unmasked(i) && shown(i) != self.counts[i])
+            .count();
+        if changed as f64 <= HIDDEN_SETTLED * self.count() as f64 {
+            return Ok(false);
+        }
+        self.gather(shown);
+        if self.count() == 0 {
+            return Err(Error::NothingToFit(format!(
+                "more than {most} of the light of every pixel may be hidden behind near surfaces; give what lies \
+                 there as a further layer of the object, or raise hidden_share_max"
+            )));
+        }
+        Ok(true)
+    }
+
+    /// The same pixels and noise with another image in place of the observation.
+    pub(crate) fn seen_as<'b>(&self, image: &'b Image) -> Observed<'b>
+    where
+        'a: 'b,
+    {
+        let mut other: Observed<'b> = self.clone();
+        other.observation.observed = image;
+        other.gather(|i| self.counts[i]);
+        other
+    }
+
+    /// Number of pixels that count.
+    pub(crate) fn count(&self) -> usize {
+        self.counted().len()
+    }
+
+    /// The pixels that count.
+    pub(crate) fn counted(&self) -> &[Pixel] {
+        &self.pixels.counted
+    }
+
+    /// The same with the size of the view and the exposure at which residuals are formed.
+    pub(crate) fn pixels(&self) -> &Pixels {
+        &self.pixels
+    }
+
+    /// Gain and veil that fit a render best: given, or by linear least squares.
+    pub(crate) fn linear(&self, products: &Products) -> Linear {
+        Linear::solve(&self.observation, products, self.pixels.reference)
+    }
+
+    /// 1 over the variance of a pixel of weight 1.
+    pub(crate) fn precision(&self) -> f64 {
+        1.0 / (self.noise * self.noise)
+    }
+
+    /// Standard deviation of a pixel's noise, from the fine structure of the residual observation - render (already
+    /// exposed and veiled): the Laplacian of white noise has 20 times its variance, while a misfit, being blurred as
+    /// the object's light is, has little there. So a misfit shows in chi² and does not pass for noise. Of two `renders` the
+    /// noise that is not in both has no part but for the error of this estimate, twice which is its least value.
+    pub(crate) fn fine_noise(&self, renders: [&Image; 2]) -> f64 {
+        let (observed, width) = (self.observation.observed, self.observation.observed.width);
+        let residual = |r: usize, i: usize| f64::from(observed.data[i]) - f64::from(renders[r].data[i]);
+        let (mut sum, mut apart, mut number) = (0.0, 0.0, 0);
+        for y in 1..observed.height.saturating_sub(1) {
+            for i in y * width + 1..(y + 1) * width - 1 {
+                let around = [i - 1, i + 1, i - width, i + width];
+                if self.counts[i] && around.iter().all(|&n| self.counts[n]) {
+                    let laplacian =
+                        |r: usize| 4.0 * residual(r, i) - around.iter().map(|&n| residual(r, n)).sum::<f64>();
+                    sum += laplacian(0) * laplacian(1);
+                    apart += 0.5 * (laplacian(0) - laplacian(1)).powi(2);
+                    number += 1;
+                }
+            }
+        }
+        let square = |p: &Pixel| residual(0, p.index as usize) * residual(1, p.index as usize);
+        let all = self.counted().iter().map(square).sum::<f64>();
+        let variance = if number >= FEWEST_LAPLACIANS {
+            // Neighbouring Laplacians share pixels: as if half of them were independent.
+            let error = apart * (2.0 / f64::from(number)).sqrt();
+            sum.max(2.0 * error) / f64::from(20 * number)
+        } else {
+            all / self.count() as f64
+        };
+        let level =
+            self.counted().iter().map(|p| f64::from(p.value).powi(2)).sum::<f64>() / self.count() as f64;
+        variance.max(0.0).sqrt().max(RENDER_ERROR * level.sqrt()).max(1e-30)
+    }
+
+    /// The products of m with m, of m with y and of y with y over noise², of the render m and the observation y; a free veil
+    /// is taken off both.
+    pub(crate) fn levels(&self, products: &Products) -> Levels {
+        let (render, one, y) = (products.render(), products.one(), products.observation());
+        let free_veil = matches!(self.observation.veil, VeilTerm::Free);
+        let n = if free_veil { products.of(&one, &one) } else { f64::INFINITY };
+        let w = self.precision();
+        let spread = |a, b| (products.of(a, b) - products.of(a, &one) * products.of(b, &one) / n) * w;
+        Levels { mm: spread(&render, &render), my: spread(&render, &y), yy: spread(&y, &y) }
+    }
+}
+
+/// Products of a render m and an observation y.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Levels {
+    pub mm: f64,
+    pub my: f64,
+    pub yy: f64,
+}
+
+/// Refuses a variance that is none, of a pixel that counts.
+fn check_variances(variance: &Image, pixels: &Pixels) -> Result<()> {
+    for pixel in &pixels.counted {
+        let (i, width) = (pixel.index as usize, variance.width);
+        let name = format!("variance of pixel ({}, {})", i % width, i / width);
+        let value = variance.data[i];
+        in_range(&name, f64::from(value), value > 0.0 && value.is_finite(), "finite and above 0")?;
+    }
+    Ok(())
+}

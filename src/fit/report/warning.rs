@@ -1,0 +1,101 @@
+//! What the user should know about an estimate.
+
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// What the user should know about an estimate.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+pub struct Warning {
+    /// Short name for programs.
+    pub code: WarningCode,
+    /// How serious it is.
+    pub severity: Severity,
+    /// What it means and what can be done.
+    pub message: String,
+}
+
+/// How serious a warning is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Severity {
+    /// Good to know.
+    Note,
+    /// The estimate may be off by more than it says.
+    Caution,
+}
+
+/// Kinds of warnings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum WarningCode {
+    /// The optimiser stopped before the optimum.
+    NotConverged,
+    /// The data do not determine some parameter.
+    Undetermined,
+    /// The kernel reaches beyond the padding of the image.
+    KernelCut,
+    /// Noise, depth slices or paths did not settle.
+    NotSettled,
+    /// More pixels are left out for hidden light than count.
+    HiddenLight,
+    /// chi² is too large.
+    Misfit,
+    /// The residual is not noise.
+    Structure,
+    /// The image shows only the core of the kernel.
+    WideKernel,
+    /// The data want a parameter beyond its bound.
+    AtBound,
+    /// The model is known to be the wrong one.
+    ModelError,
+    /// The error of the model is not known.
+    ModelErrorUnknown,
+    /// The scene is outside what the model is valid for.
+    OutsideValidity,
+}
+
+impl WarningCode {
+    /// How serious a warning of this kind is.
+    pub fn severity(self) -> Severity {
+        match self {
+            Self::HiddenLight => Severity::Note,
+            _ => Severity::Caution,
+        }
+    }
+
+    /// Its name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::NotConverged => "not_converged",
+            Self::Undetermined => "undetermined",
+            Self::KernelCut => "kernel_cut",
+            Self::NotSettled => "not_settled",
+            Self::HiddenLight => "hidden_light",
+            Self::Misfit => "misfit",
+            Self::Structure => "structure",
+            Self::WideKernel => "wide_kernel",
+            Self::AtBound => "at_bound",
+            Self::ModelError => "model_error",
+            Self::ModelErrorUnknown => "model_error_unknown",
+            Self::OutsideValidity => "outside_validity",
+        }
+    }
+}
+
+impl fmt::Display for WarningCode {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl Warning {
+    /// A warning of this kind.
+    pub(super) fn new(code: WarningCode, message: String) -> Self {
+        Self { code, severity: code.severity(), message }
+    }
+}

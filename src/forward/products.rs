@@ -1,0 +1,187 @@
+//! Inner products of a render, its derivatives and an observation: all that least squares asks of a scene.
+//!
+//! The columns are the render m, its derivatives, the residual r = gain · m + veil - y at a reference exposure, and 1. Their
+//! Gram matrix over the pixels that count, each with its weight, is a sufficient statistic of the observation. Near the best
+//! exposure r is small, so nothing cancels.
+
+use super::quantity::{Quantity, derivatives};
+use crate::filter::Rendering;
+use crate::image::Image;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// A pixel that counts.
+#[derive(Debug, Clone, Copy)]
+pub struct Pixel {
+    /// Index in the view.
+    pub index: u32,
+    /// Observed, known veil taken off.
+    pub value: f32,
+    /// Weight of its squared residual.
+    pub weight: f32,
+}
+
+/// observed = `gain` · object light + `veil`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Exposure {
+    /// Factor on the object's light.
+    pub gain: f64,
+    /// Constant light, in units of the observation.
+    pub veil: f64,
+}
+
+/// The pixels of an observation that count.
+#[derive(Debug, Clone)]
+pub struct Pixels {
+    /// Those that count, in the order of their indices.
+    pub counted: Vec<Pixel>,
+    /// Number of pixels of the view.
+    pub total: usize,
+    /// Exposure at which residuals are formed: what is given, else gain 1 and veil 0.
+    pub reference: Exposure,
+}
+
+impl Pixels {
+    /// The observed value of every pixel of the view and its weight; both 0 where it does not count.
+    pub fn values(&self) -> Vec<(f32, f32)> {
+        let mut values = vec![(0.0, 0.0); self.total];
+        self.counted.iter().for_each(|p| values[p.index as usize] = (p.value, p.weight));
+        values
+    }
+}
+
+/// The Gram matrix of render, derivatives, residual and 1, in this order.
+#[derive(Debug, Clone)]
+pub struct Products {
+    reference: Exposure,
+    derivatives: Vec<Quantity>,
+    matrix: DMatrix<f64>,
+}
+
+/// Pixels summed together; the chunks are added in order, so that the result does not depend on the threads.
+const CHUNK: usize = 8192;
+
+/// The columns at one pixel.
+fn columns(pixel: &Pixel, images: &[&Image], reference: Exposure, out: &mut [f64]) {
+    let i = pixel.index as usize;
+    for (value, image) in out.iter_mut().zip(images) {
+        *value = f64::from(image.data[i]);
+    }
+    let n = images.len();
+    out[n] = reference.gain * out[0] + reference.veil - f64::from(pixel.value);
+    out[n + 1] = 1.0;
+}
+
+/// The images of a render and what their derivatives are taken in.
+fn images(rendering: &Rendering) -> (Vec<&Image>, Vec<Quantity>) {
+    let derivatives = derivatives(rendering);
+    let images = std::iter::once(&rendering.image).chain(derivatives.iter().map(|(_, image)| *image)).collect();
+    (images, derivatives.into_iter().map(|(quantity, _)| quantity).collect())
+}
+
+impl Products {
+    /// From the Gram matrix of render, `derivatives`, residual at the exposure `reference`, and 1.
+    ///
+    /// # Panics
+    /// If the matrix is not square with a row for each of them.
+    pub fn new(reference: Exposure, derivatives: Vec<Quantity>, matrix: DMatrix<f64>) -> Self {
+        let size = derivatives.len() + 3;
+        assert_eq!(matrix.shape(), (size, size), "a row and a column for each image");
+        Self { reference, derivatives, matrix }
+    }
+
+    /// The products over `pixels` of `rendering` with the derivatives that it has.
+    pub fn over(pixels: &Pixels, rendering: &Rendering) -> Self {
+        let (images, derivatives) = images(rendering);
+        let size = images.len() + 2;
+        let chunk = |pixels_here: &[Pixel]| {
+            let (mut all, mut sums) = (vec![0.0; size], vec![0.0; size * size]);
+            for pixel in pixels_here {
+                columns(pixel, &images, pixels.reference, &mut all);
+                let weight = f64::from(pixel.weight);
+                for (row, left) in sums.chunks_exact_mut(size).zip(&all) {
+                    let left = left * weight;
+                    row.iter_mut().zip(&all).for_each(|(sum, right)| *sum += left * right);
+                }
+            }
+            DMatrix::from_row_slice(size, size, &sums)
+        };
+        let chunks: Vec<_> = pixels.counted.par_chunks(CHUNK).map(chunk).collect();
+        Self { reference: pixels.reference, derivatives, matrix: total(chunks, size) }
+    }
+
+    /// The same of the products of one of two renders with the other, in which noise that they do not share has no part.
+    pub fn between(pixels: &Pixels, renders: [&Rendering; 2]) -> Self {
+        let [(first, derivatives), (second, _)] = renders.map(images);
+        let size = first.len() + 2;
+        let chunk = |pixels_here: &[Pixel]| {
+            let (mut a, mut b) = (DVector::zeros(size), DVector::zeros(size));
+            let mut sums = DMatrix::zeros(size, size);
+            for pixel in pixels_here {
+                columns(pixel, &first, pixels.reference, a.as_mut_slice());
+                columns(pixel, &second, pixels.reference, b.as_mut_slice());
+                sums.ger(f64::from(pixel.weight), &a, &b, 1.0);
+            }
+            0.5 * (&sums + sums.transpose())
+        };
+        let chunks: Vec<_> = pixels.counted.par_chunks(CHUNK).map(chunk).collect();
+        Self { reference: pixels.reference, derivatives, matrix: total(chunks, size) }
+    }
+
+    /// What the derivatives are taken in, in the order of their columns.
+    pub fn derivatives(&self) -> &[Quantity] {
+        &self.derivatives
+    }
+
+    /// Products of all derivatives with each other.
+    pub fn of_derivatives(&self) -> DMatrix<f64> {
+        let n = self.derivatives.len();
+        self.matrix.view((1, 1), (n, n)).into_owned()
+    }
+
+    /// Products of the column `a` with all derivatives.
+    pub fn with_derivatives(&self, a: &DVector<f64>) -> DVector<f64> {
+        (&self.matrix * a).rows(1, self.derivatives.len()).into_owned()
+    }
+
+    /// The product of two combinations of the columns.
+    pub fn of(&self, a: &DVector<f64>, b: &DVector<f64>) -> f64 {
+        a.dot(&(&self.matrix * b))
+    }
+
+    /// The render as a combination of the columns.
+    pub fn render(&self) -> DVector<f64> {
+        self.unit(0)
+    }
+
+    /// The image 1 as a combination of the columns.
+    pub fn one(&self) -> DVector<f64> {
+        self.unit(self.derivatives.len() + 2)
+    }
+
+    /// The observation y as a combination of the columns.
+    pub fn observation(&self) -> DVector<f64> {
+        let Exposure { gain, veil } = self.reference;
+        self.combination(gain, -1.0, veil)
+    }
+
+    /// The residual at another `exposure` as a combination of the columns.
+    pub fn residual(&self, exposure: Exposure) -> DVector<f64> {
+        self.combination(exposure.gain - self.reference.gain, 1.0, exposure.veil - self.reference.veil)
+    }
+
+    fn combination(&self, render: f64, residual: f64, one: f64) -> DVector<f64> {
+        let n = self.derivatives.len();
+        let mut all = DVector::zeros(n + 3);
+        (all[0], all[n + 1], all[n + 2]) = (render, residual, one);
+        all
+    }
+
+    fn unit(&self, i: usize) -> DVector<f64> {
+        DVector::from_fn(self.derivatives.len() + 3, |j, _| f64::from(u8::from(i == j)))
+    }
+}
+
+fn total(chunks: Vec<DMatrix<f64>>, size: usize) -> DMatrix<f64> {
+    chunks.into_iter().fold(DMatrix::zeros(size, size), |sum, chunk| sum + chunk)
+}
