@@ -16,12 +16,10 @@ mod variance;
 
 pub use medium::read_truth;
 
-use crate::error::Result;
 use crate::geometry::Geometry;
 use crate::illumination::{Bottom, Shading, Sun};
 use crate::image::{Border, Channel, Image, View};
-use crate::medium::Medium;
-use crate::phase::{Family, Lobe};
+use crate::phase::Family;
 use std::path::PathBuf;
 
 /// Everything that one scene file and the images it names say.
@@ -45,7 +43,7 @@ pub struct Scene {
     pub view: View,
     /// What was seen through the medium: there if the scene was read for [`Purpose::Fit`].
     pub observation: Option<Observation>,
-    /// What `[medium]` says, one for each object channel; see [`Scene::medium_values`].
+    /// What `[medium]` says, one for each object channel; see [`Scene::media`].
     pub medium: Vec<PartialMedium>,
     /// The light that falls into the medium: there if the scene was read for [`Purpose::Synthesize`].
     pub illumination: Option<Illumination>,
@@ -87,51 +85,10 @@ pub struct PartialMedium {
     pub sigma_s: Option<f64>,
     /// Absorption coefficient, 1/length.
     pub sigma_a: Option<f64>,
-    /// Family of the phase function: that of the key which gives its shape.
+    /// Family of the phase function: that of the key which gives its parameter.
     pub family: Family,
-    /// Its shape, B (rad²) or g.
-    pub shape: Option<f64>,
-}
-
-/// sigma_s, sigma_a (1/length) and the phase function, each in its range.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MediumValues {
-    /// Scattering coefficient, 1/length.
-    pub sigma_s: f64,
-    /// Absorption coefficient, 1/length.
-    pub sigma_a: f64,
-    /// Family of the phase function.
-    pub family: Family,
-    /// Its shape, B (rad²) or g.
-    pub shape: f64,
-}
-
-impl MediumValues {
-    /// Those of a medium with the Gaussian phase function of width `b`, rad²; coefficients in 1/length.
-    pub const fn gaussian(sigma_s: f64, sigma_a: f64, b: f64) -> Self {
-        Self { sigma_s, sigma_a, family: Family::Gaussian, shape: b }
-    }
-
-    /// sigma_s, sigma_a and the shape.
-    pub fn values(&self) -> [f64; 3] {
-        [self.sigma_s, self.sigma_a, self.shape]
-    }
-
-    /// The medium.
-    ///
-    /// # Errors
-    /// As [`Medium::new`].
-    pub fn medium(&self) -> Result<Medium> {
-        Medium::new(self.sigma_s, self.sigma_a)
-    }
-
-    /// The phase function.
-    ///
-    /// # Errors
-    /// As [`Family::lobe`].
-    pub fn lobe(&self) -> Result<Lobe> {
-        self.family.lobe(self.shape)
-    }
+    /// Its parameter, B (rad²) or g.
+    pub phase_parameter: Option<f64>,
 }
 
 /// The observed image and how it was exposed.
@@ -190,12 +147,13 @@ pub enum Veil {
 /// and bounds do not matter. Values and bounds are finite, sigma_s and B above 0, sigma_a at least 0, g between 0 and 1.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct FitOptions {
-    /// Family of the phase function whose shape, B or g, is fitted.
+    /// Family of the phase function whose parameter, B or g, is fitted.
     pub family: Family,
-    /// Starting values of sigma_s, sigma_a and the shape.
+    /// Starting values of sigma_s, sigma_a and the phase-function parameter.
     pub start: [Option<f64>; 3],
-    /// Values of sigma_s, sigma_a and the shape that are held.
+    /// Values of sigma_s, sigma_a and the phase-function parameter that are held.
     pub fixed: [Option<f64>; 3],
-    /// Lower and upper bounds of sigma_s, sigma_a and the shape, the lower below the upper and the start between them.
+    /// Lower and upper bounds of sigma_s, sigma_a and the phase-function parameter, the lower below the upper and the start
+    /// between them.
     pub bounds: [Option<[f64; 2]>; 3],
 }

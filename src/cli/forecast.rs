@@ -37,7 +37,7 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let read = |path: &PathBuf| Scene::read(path, Purpose::Render);
     let scenes = arguments.scenes.iter().map(read).collect::<crate::Result<Vec<_>>>()?;
-    let media = scenes[0].medium_values(arguments.medium.values())?;
+    let media = scenes[0].media(arguments.medium.values())?;
     let chosen = Chosen::new(arguments.rendering.backend, &scenes, [1, 2])?;
     let geometries: Vec<_> = scenes.iter().map(|scene| &scene.geometry).collect();
     let progress = Progress::uncounted("forecasting");

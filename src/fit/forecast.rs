@@ -8,7 +8,9 @@ use super::scenes::{SceneFit, fit_scenes};
 use crate::error::Result;
 use crate::filter::{Filter, Optics, Target};
 use crate::image::{Channel, Image};
-use crate::scene::{FitOptions, Gain, MediumValues, Noise, Observation, Scene, Veil};
+use crate::medium::Medium;
+use crate::phase::PhaseFunction;
+use crate::scene::{FitOptions, Gain, Noise, Observation, Scene, Veil};
 
 /// How the planned images will be taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,7 +30,7 @@ pub struct Plan {
 /// As [`fit_scenes`] and the renders.
 pub fn forecast(
     scenes: &[Scene],
-    media: &[MediumValues],
+    media: &[Medium],
     plan: &Plan,
     settings: &Settings,
     filter: Filter,
@@ -56,11 +58,11 @@ pub fn forecast(
 }
 
 /// Starts at the truth, and what is held is held there.
-fn at(options: &FitOptions, medium: &MediumValues) -> FitOptions {
-    let truth = medium.values();
+fn at(options: &FitOptions, medium: &Medium) -> FitOptions {
+    let truth = medium.parameters();
     let held = |i: usize| options.fixed[i].map(|_| truth[i]);
     FitOptions {
-        family: medium.family,
+        family: medium.phase().family(),
         start: truth.map(Some),
         fixed: std::array::from_fn(held),
         bounds: [None; 3],
@@ -68,16 +70,10 @@ fn at(options: &FitOptions, medium: &MediumValues) -> FitOptions {
 }
 
 /// What `scene` looks like through `media`, over its view.
-fn images(
-    scene: &Scene,
-    media: &[MediumValues],
-    settings: &Settings,
-    filter: Filter,
-) -> Result<Vec<Channel>> {
+fn images(scene: &Scene, media: &[Medium], settings: &Settings, filter: Filter) -> Result<Vec<Channel>> {
     let relief = filter.relief(&scene.geometry);
     let image = |i: usize| -> Result<Channel> {
-        let phase = media[i].lobe()?;
-        let optics = Optics { model: settings.model, medium: media[i].medium()?, phase: &phase };
+        let optics = Optics { model: settings.model, medium: media[i] };
         let target = Target {
             radiance: &scene.object[i].image,
             behind: &scene.behind[i],

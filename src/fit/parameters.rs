@@ -12,7 +12,7 @@ use crate::spread::Model;
 
 /// Names in the order used everywhere, of media with phase functions of `family`.
 pub const fn names(family: Family) -> [&'static str; 3] {
-    ["sigma_s", "sigma_a", family.parameter()]
+    ["sigma_s", "sigma_a", family.parameter_name()]
 }
 
 /// Those with the Gaussian phase function.
@@ -57,7 +57,7 @@ impl Parameters {
         let family = options.family;
         let range = model.range(family)?;
         let limits: [Bounds; 3] =
-            [[0.0, range.tau / lengths.longest], [0.0, range.absorption / lengths.longest], range.shape];
+            [[0.0, range.tau / lengths.longest], [0.0, range.absorption / lengths.longest], range.phase];
         let [of_sigma_s, of_sigma_a] = DEFAULT_BOUNDS.map(|pair| pair.map(|v| v / lengths.median));
         let mut bounds = [of_sigma_s, of_sigma_a, default_shapes(family, model)];
         let mut values = [0.0; 3];
@@ -154,7 +154,7 @@ impl Parameters {
         match i {
             0 => u.exp(),
             1 => u,
-            _ => self.family.shape(u),
+            _ => self.family.parameter_at(u),
         }
     }
 

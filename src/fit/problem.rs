@@ -100,6 +100,5 @@ pub(crate) fn with_optics<T>(
     f: impl FnOnce(&Optics) -> Result<T>,
 ) -> Result<T> {
     let [sigma_s, sigma_a, shape] = parameters.values();
-    let phase = parameters.family().lobe(shape)?;
-    f(&Optics { model, medium: Medium::new(sigma_s, sigma_a)?, phase: &phase })
+    f(&Optics { model, medium: Medium::new(sigma_s, sigma_a, parameters.family().phase(shape)?)? })
 }

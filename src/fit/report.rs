@@ -156,7 +156,7 @@ impl FitReport {
         let mut rows = vec![row(heading)];
         let number = |v: &Value| v.as_f64().map_or_else(|| "-".to_string(), significant);
         for (name, p) in &self.parameters {
-            let of = Family::ALL.into_iter().find(|f| name.split('.').next() == Some(f.parameter()));
+            let of = Family::ALL.into_iter().find(|f| name.split('.').next() == Some(f.parameter_name()));
             let unit = of.map_or(unit, |of| of.unit());
             let interval = match &p["ci95"] {
                 Value::Array(ends) => format!("{} … {}", number(&ends[0]), number(&ends[1])),

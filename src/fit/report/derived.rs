@@ -3,7 +3,7 @@
 use super::Gauge;
 use crate::fit::ChannelFit;
 use crate::medium::Medium;
-use crate::phase::{Family, Lobe, PhaseFunction};
+use crate::phase::{Family, Phase, PhaseFunction};
 use crate::spread::Model;
 use nalgebra::Vector3;
 use serde_json::{Value, json};
@@ -11,7 +11,8 @@ use serde_json::{Value, json};
 /// What follows from the parameters of one channel.
 pub(super) fn derived(fit: &ChannelFit, model: Model) -> Vec<(&'static str, Value)> {
     let [sigma_s, sigma_a, shape] = fit.parameters.values();
-    let medium = Medium::new(sigma_s, sigma_a).expect("parameters stay in their range");
+    let phase = fit.parameters.family().phase(shape).expect("parameters stay in their range");
+    let medium = Medium::new(sigma_s, sigma_a, phase).expect("parameters stay in their range");
     let error =
         |gradient: [f64; 3], scale: f64| fit.variance_of(&Vector3::from(gradient)).map(|v| v.sqrt() * scale);
     let z = fit.median_z;
@@ -25,8 +26,7 @@ pub(super) fn derived(fit: &ChannelFit, model: Model) -> Vec<(&'static str, Valu
     all.push(("optical_depth", json!(medium.sigma_t() * z)));
     all.push(("albedo", json!(medium.albedo())));
     if model.spreads() {
-        let phase = fit.parameters.family().lobe(shape).expect("parameters stay in their range");
-        if let Lobe::Gaussian(phase) = phase {
+        if let Phase::Gaussian(phase) = phase {
             all.push(("spread_angle_deg", json!(phase.spread_angle().to_degrees())));
         }
         all.push(("g", json!(phase.mean_cosine())));

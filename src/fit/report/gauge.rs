@@ -19,7 +19,7 @@ const LIKE_A_VEIL: f64 = 0.3;
 pub struct Gauge {
     /// Family of the phase function.
     pub family: Family,
-    /// tau times the [square angle](Family::square_angle): tau·4B, tau·2(1-g).
+    /// tau times the [mean-square scattering angle](Family::mean_square_angle): tau·4B, tau·2(1-g).
     pub validity: f64,
     /// Scattered light over all light that arrives.
     pub scattered_share: f64,
@@ -34,12 +34,12 @@ impl Gauge {
     pub(super) fn of(fit: &ChannelFit) -> Option<Self> {
         let [sigma_s, sigma_a, shape] = fit.parameters.values();
         let (family, z) = (fit.parameters.family(), fit.median_z);
-        let medium = Medium::new(sigma_s, sigma_a).ok()?;
+        let medium = Medium::new(sigma_s, sigma_a, family.phase(shape).ok()?).ok()?;
         let scattered = medium.scattered_total(z);
-        let kernel_width_px = typical_radius(&medium, &family.lobe(shape).ok()?, z) / fit.pixel_pitch;
+        let kernel_width_px = typical_radius(&medium, z) / fit.pixel_pitch;
         Some(Self {
             family,
-            validity: medium.tau(z) * family.square_angle(shape),
+            validity: medium.tau(z) * family.mean_square_angle(shape),
             scattered_share: scattered / (scattered + medium.transmittance(z)).max(f64::MIN_POSITIVE),
             kernel_width_px,
             kernel_width_views: kernel_width_px / fit.view_px as f64,
@@ -48,7 +48,7 @@ impl Gauge {
 
     /// The same in plain language.
     pub fn verdict(&self) -> String {
-        let square = self.family.square_angle_formula();
+        let square = self.family.mean_square_angle_formula();
         let angles = if self.validity <= SMALL_ANGLE_LIMIT {
             format!("angles are small (tau·{square} = {:.3})", self.validity)
         } else {

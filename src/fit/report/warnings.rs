@@ -128,7 +128,7 @@ pub(super) fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warn
     }
     let [sigma_s, _, shape] = fit.parameters.values();
     let (validity, square) =
-        (sigma_s * fit.median_z * family.square_angle(shape), family.square_angle_formula());
+        (sigma_s * fit.median_z * family.mean_square_angle(shape), family.mean_square_angle_formula());
     if model.rests_on_small_angles() && validity > SMALL_ANGLE_LIMIT {
         warn(
             "outside_validity",

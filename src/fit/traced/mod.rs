@@ -28,9 +28,9 @@ use crate::filter::cpu::Rendering;
 use crate::filter::{Optics, Target};
 use crate::image::Image;
 use crate::medium::Medium;
-use crate::phase::{Family, Gaussian, HenyeyGreenstein};
+use crate::phase::{Phase, PhaseFunction};
 use crate::spread::Model;
-use crate::trace::{BATCHES, Hits, ImageConfig, Likelihood, Turbid};
+use crate::trace::{BATCHES, Hits, ImageConfig, Likelihood};
 use plane::Plane;
 use std::cell::RefCell;
 use std::ops::Range;
@@ -186,7 +186,8 @@ pub(super) fn render_stretched(
     tracing: Tracing,
     (scene, stretch): (u64, f64),
 ) -> Result<Image> {
-    let medium = Medium::new(optics.medium.sigma_s() / stretch, optics.medium.sigma_a() / stretch)?;
+    let of = &optics.medium;
+    let medium = Medium::new(of.sigma_s() / stretch, of.sigma_a() / stretch, *of.phase())?;
     let paths = trace(target, &Optics { medium, ..*optics }, tracing, scene)?;
     Ok(paths.render(optics, 0..BATCHES)?.image)
 }
@@ -198,23 +199,21 @@ fn trace<'a>(
     tracing: Tracing,
     scene: u64,
 ) -> Result<Box<dyn Paths + 'a>> {
-    let shape = optics.phase.shape();
-    match optics.phase.family() {
-        Family::Gaussian => trace_lobe(target, optics, Gaussian::new(shape)?, tracing, scene),
-        Family::HenyeyGreenstein => trace_lobe(target, optics, HenyeyGreenstein::new(shape)?, tracing, scene),
+    let medium = &optics.medium;
+    match *medium.phase() {
+        Phase::Gaussian(phase) => trace_in(target, medium.with_phase(phase), tracing, scene),
+        Phase::HenyeyGreenstein(phase) => trace_in(target, medium.with_phase(phase), tracing, scene),
     }
 }
 
-fn trace_lobe<'a, P: Likelihood + 'static>(
+fn trace_in<'a, P: Likelihood + 'static>(
     target: Target<'a>,
-    optics: &Optics,
-    phase: P,
+    medium: Medium<P>,
     tracing: Tracing,
     scene: u64,
 ) -> Result<Box<dyn Paths + 'a>> {
     // The golden ratio's fraction: whoever counts seeds does not meet another scene's.
     let seed = tracing.seed.wrapping_add(scene.wrapping_mul(0x9e37_79b9_7f4a_7c15));
-    let medium = Turbid { sigma_s: optics.medium.sigma_s(), sigma_a: optics.medium.sigma_a(), phase };
     if let Some(plane) = Plane::of(target) {
         return Ok(Box::new(plane.traced(medium, tracing.count(PLANE_PATHS), seed)?));
     }
@@ -225,27 +224,26 @@ fn trace_lobe<'a, P: Likelihood + 'static>(
         behind: target.behind,
         border: target.border,
         view: target.view,
-        medium: optics.medium,
+        medium,
         samples: samples.max(2 * BATCHES as u32),
         seed,
     };
-    Ok(Box::new(Hits::trace(&config, &phase, &|_| ())?))
+    Ok(Box::new(Hits::trace(&config, &|_| ())?))
 }
 
-/// The medium of `optics`, whose lobe is of the family of `P`.
-fn turbid<P: Likelihood>(optics: &Optics) -> Result<Turbid<P>> {
-    let (sigma_s, sigma_a) = (optics.medium.sigma_s(), optics.medium.sigma_a());
-    Ok(Turbid { sigma_s, sigma_a, phase: P::of_shape(optics.phase.shape())? })
+/// The medium of `optics`, whose phase function is of the family of `P`.
+fn medium_of<P: Likelihood>(optics: &Optics) -> Result<Medium<P>> {
+    Ok(optics.medium.with_phase(P::of_parameter(optics.medium.phase().parameter())?))
 }
 
 impl<P: Likelihood> Paths for Hits<P> {
     fn render(&self, optics: &Optics, batches: Range<usize>) -> Result<Rendering> {
-        let [image, s, a, shape] = self.image(&turbid(optics)?, batches)?;
+        let [image, s, a, shape] = self.image(&medium_of(optics)?, batches)?;
         Ok(Rendering { image, gradient: Some([s, a, shape]) })
     }
 
     fn effective_share(&self, optics: &Optics) -> Result<f64> {
-        Ok(Hits::effective_share(self, &turbid(optics)?))
+        Ok(Hits::effective_share(self, &medium_of(optics)?))
     }
 
     fn information(&self) -> ([f64; 3], f64) {

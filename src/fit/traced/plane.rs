@@ -16,8 +16,8 @@ use crate::medium::Medium;
 use crate::relief::Relief;
 use crate::spread::Dual;
 use crate::trace::{
-    BATCHES, Effective, Histories, History, Information, Likelihood, Reweighting, Scattered, Turbid,
-    annulus_mean, log_spaced, trace_histories,
+    BATCHES, Effective, Histories, History, Information, Likelihood, Reweighting, Scattered, annulus_mean,
+    log_spaced, trace_histories,
 };
 use rayon::prelude::*;
 use std::ops::Range;
@@ -53,11 +53,11 @@ impl<'a> Plane<'a> {
     /// The plane with `paths` paths traced in `medium`.
     pub(super) fn traced<P: Likelihood>(
         self,
-        medium: Turbid<P>,
+        medium: Medium<P>,
         paths: u64,
         seed: u64,
     ) -> Result<TracedPlane<'a, P>> {
-        let scaled = in_depths(&medium, self.node.z);
+        let scaled = in_depths(&medium, self.node.z)?;
         let edges = edges();
         let each = paths.div_ceil(BATCHES as u64);
         let batch = |i: u64| {
@@ -105,8 +105,8 @@ fn images(basis: &Basis, target: &Target) -> Vec<Image> {
 }
 
 /// `medium` with lengths in units of `z`.
-fn in_depths<P: Copy>(medium: &Turbid<P>, z: f64) -> Turbid<P> {
-    Turbid { sigma_s: medium.sigma_s * z, sigma_a: medium.sigma_a * z, phase: medium.phase }
+fn in_depths<P: Copy>(medium: &Medium<P>, z: f64) -> Result<Medium<P>> {
+    Medium::new(medium.sigma_s() * z, medium.sigma_a() * z, *medium.phase())
 }
 
 /// Independent paths, and the radius bin of each.
@@ -124,16 +124,16 @@ pub(super) struct TracedPlane<'a, P: Likelihood> {
 }
 
 impl<P: Likelihood> TracedPlane<'_, P> {
-    fn medium(&self, optics: &Optics) -> Result<Turbid<P>> {
-        Ok(in_depths(&super::turbid(optics)?, self.plane.node.z))
+    fn medium(&self, optics: &Optics) -> Result<Medium<P>> {
+        in_depths(&super::medium_of(optics)?, self.plane.node.z)
     }
 
-    fn reweighting(&self, to: &Turbid<P>) -> Reweighting {
+    fn reweighting(&self, to: &Medium<P>) -> Reweighting {
         Reweighting::new(&self.batches[0].histories.medium, to)
     }
 
     /// Light in each bin of radius, by some batches, with its derivatives in sigma_s z, sigma_a z and the shape.
-    fn light(&self, medium: &Turbid<P>, batches: Range<usize>) -> Vec<Dual> {
+    fn light(&self, medium: &Medium<P>, batches: Range<usize>) -> Vec<Dual> {
         let reweighting = self.reweighting(medium);
         let share = 1.0 / batches.len() as f64;
         let of = |batch: &Batch<P>| {

@@ -6,8 +6,9 @@ use crate::filter::{Backend, Filter, Optics, Target, hidden_share};
 use crate::fit::path_lengths;
 use crate::image::{Channel, Image};
 use crate::io::exr::ExrFile;
+use crate::medium::Medium;
 use crate::relief::Relief;
-use crate::scene::{Gain, MediumValues, Noise, Observation, Purpose, Scene, Veil, read_truth};
+use crate::scene::{Gain, Noise, Observation, Purpose, Scene, Veil, read_truth};
 use crate::spread::Model;
 use crate::trace::Estimate;
 use std::path::Path;
@@ -20,7 +21,7 @@ pub struct Dataset {
     /// The scene, with its observation.
     pub scene: Scene,
     /// The medium of each channel.
-    pub truth: Vec<MediumValues>,
+    pub truth: Vec<Medium>,
     /// Median path length, length.
     pub z: f64,
     /// Channel and index of every pixel that counts: where the mask lets it, and hardly any light is hidden.
@@ -81,9 +82,8 @@ impl Dataset {
         let relief = Filter::Auto.relief(&self.scene.geometry);
         let mut light = Vec::new();
         for (c, channel) in o.image.iter().enumerate() {
-            let hidden = self.with_optics(Model::SmallAngle, c, |optics| {
-                hidden_share(&self.target(c, relief.as_ref()), optics, Backend::Cpu)
-            })?;
+            let optics = self.optics(Model::SmallAngle, c);
+            let hidden = hidden_share(&self.target(c, relief.as_ref()), &optics, Backend::Cpu)?;
             for (i, &value) in channel.image.data.iter().enumerate() {
                 let masked = o.mask.as_ref().is_some_and(|mask| mask.data[i] <= 0.0);
                 if masked || f64::from(hidden.data[i]) > o.hidden_share_max {
@@ -104,15 +104,9 @@ impl Dataset {
         Ok(light)
     }
 
-    /// Calls `f` with the optics of `model` in the medium of channel `c`.
-    pub(super) fn with_optics<T>(
-        &self,
-        model: Model,
-        c: usize,
-        f: impl FnOnce(&Optics) -> Result<T>,
-    ) -> Result<T> {
-        let phase = self.truth[c].lobe()?;
-        f(&Optics { model, medium: self.truth[c].medium()?, phase: &phase })
+    /// The optics of `model` in the medium of channel `c`.
+    pub(super) fn optics(&self, model: Model, c: usize) -> Optics {
+        Optics { model, medium: self.truth[c] }
     }
 
     /// Channel `c` of the object.
