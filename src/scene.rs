@@ -1,7 +1,8 @@
 //! A scene file read into typed, checked values (see the README for the format).
 //!
-//! [`Scene::read`] refuses whatever is missing, unknown, contradictory or out of range, by name of file and key or
-//! pixel; what it returns can be rendered, traced or fitted without further checks of the input.
+//! A file is read as what it is needed for: [`Scene`] to render or trace, [`ObservedScene`] to fit, [`LitScene`] to
+//! synthesize. Whatever is missing, unknown, contradictory or out of range is refused, by name of file and key or pixel; what
+//! is returned needs no further checks.
 
 mod fit_options;
 mod format;
@@ -22,15 +23,13 @@ use crate::image::{Border, Channel, Image, View};
 use crate::phase::Family;
 use std::path::PathBuf;
 
-/// Everything that one scene file and the images it names say.
+/// What one scene file and the images it names say of object, camera and medium, and of a fit.
 #[derive(Debug, Clone)]
 pub struct Scene {
     /// The scene file.
     pub path: PathBuf,
-    /// Clear radiance of the object, one channel or R, G, B; its reflectance if there is `shading`.
+    /// Clear radiance of the object, one channel or R, G, B; its reflectance in a [`LitScene`] with `shading`.
     pub object: Vec<Channel>,
-    /// There if the object sends out no light of its own but reflects the illumination's.
-    pub shading: Option<Shading>,
     /// For each of these channels, the clear radiance of each further layer, nearest first.
     pub behind: Vec<Vec<Image>>,
     /// Camera, object distance, medium surface.
@@ -41,25 +40,30 @@ pub struct Scene {
     pub border: Border,
     /// The part of the object image that is observed, rendered or traced.
     pub view: View,
-    /// What was seen through the medium: there if the scene was read for [`Purpose::Fit`].
-    pub observation: Option<Observation>,
     /// What `[medium]` says, one for each object channel; see [`Scene::media`].
     pub medium: Vec<PartialMedium>,
-    /// The light that falls into the medium: there if the scene was read for [`Purpose::Synthesize`].
-    pub illumination: Option<Illumination>,
     /// Starting values, fixed values and bounds of a fit, one for each object channel.
     pub fit: Vec<FitOptions>,
 }
 
-/// What a scene is read for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Purpose {
-    /// To fit a medium: `[observation]` and its image are required.
-    Fit,
-    /// To render or trace: of `[observation]` only the place and the size of the view are read.
-    Render,
-    /// To render with the light of `[illumination]`, which is required; else as to render.
-    Synthesize,
+/// A scene and what was seen of it through the medium.
+#[derive(Debug, Clone)]
+pub struct ObservedScene {
+    /// The scene; its view is the part that is observed.
+    pub scene: Scene,
+    /// What was seen.
+    pub observation: Observation,
+}
+
+/// A scene and the light that falls into its medium.
+#[derive(Debug, Clone)]
+pub struct LitScene {
+    /// The scene.
+    pub scene: Scene,
+    /// There if the object sends out no light of its own but reflects the illumination's.
+    pub shading: Option<Shading>,
+    /// The light.
+    pub illumination: Illumination,
 }
 
 /// The light that falls into the medium.

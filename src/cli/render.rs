@@ -11,7 +11,7 @@ use crate::fit::{path_lengths, render_traced};
 use crate::image::Channel;
 use crate::io::{atomic, exr};
 use crate::plots::{Figure, Panel, Shade};
-use crate::scene::{Purpose, Scene};
+use crate::scene::Scene;
 use crate::spread::Model;
 use anyhow::Result;
 use clap::builder::{PathBufValueParser, TypedValueParser};
@@ -40,12 +40,11 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let tracing = arguments.tracing.read(&arguments.rendering)?;
-    let scene = Scene::read(&arguments.scene, Purpose::Render)?;
+    let scene = Scene::read(&arguments.scene)?;
     let media = scene.media(arguments.medium.values())?;
     check_outputs(arguments)?;
-    let scenes = [scene];
-    let chosen = Chosen::new(arguments.rendering.backend, &scenes, [1, 1])?;
-    let (backend, [scene]) = (chosen.backend(), &scenes);
+    let chosen = Chosen::new(arguments.rendering.backend, [&scene], [1, 1])?;
+    let backend = chosen.backend();
     let progress = Progress::uncounted("rendering");
     let model = arguments.rendering.model.for_media(&media, path_lengths(&[&scene.geometry]));
     let relief = arguments.rendering.filter.relief(&scene.geometry);
@@ -82,7 +81,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     attributes.extend(record_of(&media));
     exr::write(&arguments.output, &channels, &attributes)?;
     match &arguments.hidden_share {
-        Some(path) if has_extension(path, "png") => draw_hidden_share(path, scene, shares)?,
+        Some(path) if has_extension(path, "png") => draw_hidden_share(path, &scene, shares)?,
         Some(path) => exr::write(path, &shares, &attributes)?,
         None => (),
     }

@@ -12,7 +12,7 @@ use crate::image::Channel;
 use crate::io::colour::Tone;
 use crate::io::{atomic, exr, png};
 use crate::phase::PhaseFunction;
-use crate::scene::{Purpose, Scene};
+use crate::scene::LitScene;
 use crate::spread::{Model, SMALL_ANGLE_LIMIT, small_angle_error};
 use crate::synthesis::{Synthesis, synthesize};
 use anyhow::Result;
@@ -38,8 +38,8 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
-    let scene = Scene::read(&arguments.scene, Purpose::Synthesize)?;
-    let media = scene.media(arguments.medium.values())?;
+    let lit = LitScene::read(&arguments.scene)?;
+    let media = lit.scene.media(arguments.medium.values())?;
     atomic::check_writable(&arguments.output)?;
     if let Some(path) = &arguments.parts {
         if *path == arguments.output {
@@ -47,15 +47,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
         }
         atomic::check_writable(path)?;
     }
-    let scenes = [scene];
-    let chosen = Chosen::new(arguments.rendering.backend, &scenes, [1, 1])?;
+    let chosen = Chosen::new(arguments.rendering.backend, [&lit.scene], [1, 1])?;
     let model = match arguments.rendering.model {
         WantedModel::This(model) => model,
         // For pictures: wide-angle takes minutes and gigabytes where a perspective camera looks through an oblique surface.
         WantedModel::Auto => Model::SmallAngle,
     };
     let progress = Progress::uncounted("synthesizing");
-    let made = synthesize(&scenes[0], &media, model, arguments.rendering.filter, chosen.backend())?;
+    let made = synthesize(&lit, &media, model, arguments.rendering.filter, chosen.backend())?;
     drop(progress);
 
     let mut attributes = provenance();
@@ -74,7 +73,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     if made.cut {
         eprintln!("warning (kernel_cut): {CUT}");
     }
-    let z = median(scenes[0].geometry.path_lengths());
+    let z = median(lit.scene.geometry.path_lengths());
     for (channel, medium) in total.iter().zip(&media) {
         let validity = validity(medium, z);
         if model.rests_on_small_angles() && validity > SMALL_ANGLE_LIMIT {

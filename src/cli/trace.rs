@@ -6,7 +6,7 @@ use super::say;
 use crate::image::{Channel, Image};
 use crate::io::{atomic, exr};
 use crate::medium::Medium;
-use crate::scene::{Purpose, Scene};
+use crate::scene::Scene;
 use crate::trace::{ImageConfig, trace_image};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -31,7 +31,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
-    let scene = Scene::read(&arguments.scene, Purpose::Render)?;
+    let scene = Scene::read(&arguments.scene)?;
     let media = scene.media(arguments.medium.values())?;
     atomic::check_writable(&arguments.output)?;
 

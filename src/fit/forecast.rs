@@ -10,7 +10,7 @@ use crate::filter::{Filter, Optics, Target};
 use crate::image::{Channel, Image};
 use crate::medium::Medium;
 use crate::phase::PhaseFunction;
-use crate::scene::{FitOptions, Gain, Noise, Observation, Scene, Veil};
+use crate::scene::{FitOptions, Gain, Noise, Observation, ObservedScene, Scene, Veil};
 
 /// How the planned images will be taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,9 +35,9 @@ pub fn forecast(
     settings: &Settings,
     filter: Filter,
 ) -> Result<SceneFit> {
-    let planned = |scene: &Scene| -> Result<Scene> {
+    let planned = |scene: &Scene| -> Result<ObservedScene> {
         let mut scene = scene.clone();
-        scene.observation = Some(Observation {
+        let observation = Observation {
             path: scene.path.clone(),
             image: images(&scene, media, settings, filter)?,
             noise: Some(Noise::Level(plan.noise)),
@@ -46,9 +46,9 @@ pub fn forecast(
             veil: if plan.free_veil { Veil::Free } else { Veil::Fixed(0.0) },
             gain_error: 0.0,
             hidden_share_max: 0.01,
-        });
+        };
         scene.fit = scene.fit.iter().zip(media).map(|(options, medium)| at(options, medium)).collect();
-        Ok(scene)
+        Ok(ObservedScene { scene, observation })
     };
     let planned = scenes.iter().map(planned).collect::<Result<Vec<_>>>()?;
     // The optimum is known: nothing needs to be searched for.

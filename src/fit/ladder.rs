@@ -12,7 +12,7 @@ use crate::error::Result;
 use crate::filter::Filter;
 use crate::phase::Family;
 use crate::relief::Relief;
-use crate::scene::Scene;
+use crate::scene::ObservedScene;
 use crate::spread::Model;
 use nalgebra::Vector3;
 use serde::Serialize;
@@ -77,7 +77,12 @@ const PILOT: Model = Model::SmallAngle;
 ///
 /// # Errors
 /// As [`fit_scenes`].
-pub fn climb(scenes: &[Scene], settings: &Settings, filter: Filter, tolerance: f64) -> Result<SceneFit> {
+pub fn climb(
+    scenes: &[ObservedScene],
+    settings: &Settings,
+    filter: Filter,
+    tolerance: f64,
+) -> Result<SceneFit> {
     let reliefs = reliefs(scenes, filter);
     let mut pilot = Some(fit_scenes(scenes, &Settings { model: PILOT, ..*settings }, filter)?);
     let mut rungs: Vec<Rung> = Vec::new();
@@ -138,14 +143,15 @@ pub fn climb(scenes: &[Scene], settings: &Settings, filter: Filter, tolerance: f
 
 /// Why `settings.model` need not be fitted, seen from the `pilot`'s medium; `None` if it should be.
 fn foreseen(
-    (scenes, reliefs): (&[Scene], &[Option<Relief>]),
+    (scenes, reliefs): (&[ObservedScene], &[Option<Relief>]),
     settings: &Settings,
     pilot: &SceneFit,
     tolerance: f64,
 ) -> Result<Option<String>> {
     for (i, (_, fit)) in pilot.channels.iter().enumerate() {
         let data = data(scenes, reliefs, i);
-        let Some((parameters, uncertainty, error)) = foresee(&data, &scenes[0].fit[i], settings, fit)? else {
+        let Some((parameters, uncertainty, error)) = foresee(&data, &scenes[0].scene.fit[i], settings, fit)?
+        else {
             continue;
         };
         let looks = judge((&parameters, &uncertainty, error.as_ref()), settings.model, tolerance);

@@ -8,7 +8,7 @@ use crate::filter::{Filter, Target};
 use crate::geometry::Geometry;
 use crate::image::{Channel, Image};
 use crate::relief::Relief;
-use crate::scene::{FitOptions, Noise, Scene, Veil};
+use crate::scene::{FitOptions, Noise, ObservedScene, Veil};
 use std::time::Instant;
 
 /// The fits of all channels, the images that they leave, and the report.
@@ -46,13 +46,13 @@ impl SceneFit {
     pub fn add_intervals(
         &mut self,
         key: &str,
-        scenes: &[Scene],
+        scenes: &[ObservedScene],
         filter: Filter,
         mut find: impl FnMut(&[Datum], &ChannelFit, &FitOptions) -> Result<Intervals>,
     ) -> Result<()> {
         let reliefs = reliefs(scenes, filter);
         for (i, (name, fit)) in self.channels.iter().enumerate() {
-            let intervals = find(&data(scenes, &reliefs, i), fit, &scenes[0].fit[i])?;
+            let intervals = find(&data(scenes, &reliefs, i), fit, &scenes[0].scene.fit[i])?;
             let suffix = if self.channels.len() == 1 { String::new() } else { format!(".{name}") };
             for (parameter, interval) in fit.parameters.names().iter().zip(intervals) {
                 self.report.parameters[&format!("{parameter}{suffix}")][key] = serde_json::json!(interval);
@@ -65,7 +65,12 @@ impl SceneFit {
     ///
     /// # Errors
     /// As [`advise`].
-    pub fn add_advice(&mut self, scenes: &[Scene], settings: &Settings, filter: Filter) -> Result<()> {
+    pub fn add_advice(
+        &mut self,
+        scenes: &[ObservedScene],
+        settings: &Settings,
+        filter: Filter,
+    ) -> Result<()> {
         let reliefs = reliefs(scenes, filter);
         for (i, (name, fit)) in self.channels.iter().enumerate() {
             let advice = advise(&data(scenes, &reliefs, i), fit, settings)?;
@@ -93,50 +98,43 @@ impl SceneFit {
 /// Refuses scenes that cannot be fitted together with `settings`, before any work is done.
 ///
 /// # Errors
-/// [`Error::Scene`] if the scenes have different channels or no observation, [`Error::NothingToFit`] if every
+/// [`Error::Scene`] if the scenes have different channels, [`Error::NothingToFit`] if every
 /// parameter is fixed, [`Error::OutOfRange`] for a start outside its bounds.
-pub fn check_scenes(scenes: &[Scene], settings: &Settings) -> Result<()> {
+pub fn check_scenes(scenes: &[ObservedScene], settings: &Settings) -> Result<()> {
     let first = &scenes[0];
-    for scene in scenes {
-        let wrong = if scene.observation.is_none() {
-            "[observation] is missing".to_string()
-        } else if names(scene) != names(first) {
-            format!(
-                "its channels {:?} are not those of {}: {:?}",
-                names(scene),
-                first.path.display(),
-                names(first)
-            )
-        } else {
-            continue;
-        };
-        return Err(Error::Scene { path: scene.path.clone(), message: wrong });
+    if let Some(other) = scenes.iter().find(|scene| names(scene) != names(first)) {
+        let message = format!(
+            "its channels {:?} are not those of {}: {:?}",
+            names(other),
+            first.scene.path.display(),
+            names(first)
+        );
+        return Err(Error::Scene { path: other.scene.path.clone(), message });
     }
-    let depths: Vec<&Geometry> = scenes.iter().map(|s| &s.geometry).collect();
+    let depths: Vec<&Geometry> = scenes.iter().map(|s| &s.scene.geometry).collect();
     let lengths = path_lengths(&depths);
-    for options in &first.fit {
+    for options in &first.scene.fit {
         Parameters::new(options, settings.model, lengths)?;
     }
     Ok(())
 }
 
-fn names(scene: &Scene) -> Vec<String> {
-    scene.object.iter().map(|c| c.name.clone()).collect()
+fn names(scene: &ObservedScene) -> Vec<String> {
+    scene.scene.object.iter().map(|c| c.name.clone()).collect()
 }
 
-/// Fits `scenes`, read for [`Purpose::Fit`](crate::scene::Purpose::Fit), which share one medium a channel. Options
-/// of `[fit]` are the first scene's.
+/// Fits `scenes`, which share one medium a channel. Options of `[fit]` are the first scene's.
 ///
 /// # Errors
 /// As [`check_scenes`] and [`fit_channel`].
-pub fn fit_scenes(scenes: &[Scene], settings: &Settings, filter: Filter) -> Result<SceneFit> {
+pub fn fit_scenes(scenes: &[ObservedScene], settings: &Settings, filter: Filter) -> Result<SceneFit> {
     check_scenes(scenes, settings)?;
     let clock = Instant::now();
     let first = &scenes[0];
     let reliefs = reliefs(scenes, filter);
     let mut channels = Vec::new();
     for (i, name) in names(first).into_iter().enumerate() {
-        channels.push((name, fit_channel(&data(scenes, &reliefs, i), &first.fit[i], settings)?));
+        channels.push((name, fit_channel(&data(scenes, &reliefs, i), &first.scene.fit[i], settings)?));
     }
     let used = Filter::of(reliefs.iter().flatten().next());
     let report = FitReport::new(&channels, settings, used, clock.elapsed().as_secs_f64());
@@ -144,18 +142,22 @@ pub fn fit_scenes(scenes: &[Scene], settings: &Settings, filter: Filter) -> Resu
 }
 
 /// What `filter` needs to know of the depth map of each scene.
-pub(super) fn reliefs(scenes: &[Scene], filter: Filter) -> Vec<Option<Relief>> {
-    scenes.iter().map(|scene| filter.relief(&scene.geometry)).collect()
+pub(super) fn reliefs(scenes: &[ObservedScene], filter: Filter) -> Vec<Option<Relief>> {
+    scenes.iter().map(|scene| filter.relief(&scene.scene.geometry)).collect()
 }
 
 /// Channel `i` of all scenes.
-pub(super) fn data<'a>(scenes: &'a [Scene], reliefs: &'a [Option<Relief>], i: usize) -> Vec<Datum<'a>> {
+pub(super) fn data<'a>(
+    scenes: &'a [ObservedScene],
+    reliefs: &'a [Option<Relief>],
+    i: usize,
+) -> Vec<Datum<'a>> {
     scenes.iter().zip(reliefs).map(|(scene, relief)| datum(scene, relief.as_ref(), i)).collect()
 }
 
 /// Channel `i` of an observed scene.
-fn datum<'a>(scene: &'a Scene, relief: Option<&'a Relief>, i: usize) -> Datum<'a> {
-    let observation = scene.observation.as_ref().expect("checked by the caller");
+fn datum<'a>(observed: &'a ObservedScene, relief: Option<&'a Relief>, i: usize) -> Datum<'a> {
+    let ObservedScene { scene, observation } = observed;
     Datum {
         target: Target {
             radiance: &scene.object[i].image,

@@ -11,7 +11,7 @@ use crate::geometry::{Camera, Field, Geometry};
 use crate::illumination::{Bottom, Shading, Sun};
 use crate::image::{Border, Channel, Image, View};
 use crate::medium::Medium;
-use crate::scene::{Illumination, Scene};
+use crate::scene::{Illumination, LitScene, Scene};
 use crate::spread::Model;
 use crate::synthesis::{Synthesis, synthesize};
 use glam::{DVec2, DVec3};
@@ -103,7 +103,7 @@ fn to_camera(v: DVec3) -> DVec3 {
 ///
 /// # Errors
 /// None but those of constants out of range.
-pub fn scene(side: usize) -> Result<(Scene, Vec<Medium>)> {
+pub fn scene(side: usize) -> Result<(LitScene, Vec<Medium>)> {
     let (s, c) = TILT.sin_cos();
     let along = DVec3::new(0.0, s, -c);
     let pitch = WIDTH / side as f64;
@@ -127,7 +127,6 @@ pub fn scene(side: usize) -> Result<(Scene, Vec<Medium>)> {
     let scene = Scene {
         path: PathBuf::from("figure 8"),
         object: (0..3).map(colour).collect(),
-        shading: Some(Shading::Map(image(&|x, y| lit(&hit(x, y))))),
         behind: vec![Vec::new(); 3],
         geometry: Geometry {
             width: side,
@@ -140,18 +139,18 @@ pub fn scene(side: usize) -> Result<(Scene, Vec<Medium>)> {
         depth_error: 0.0,
         border: Border::Clamp,
         view: View::whole(side, side),
-        observation: None,
         medium: Vec::new(),
-        illumination: Some(Illumination::Parallel {
-            sun: Sun::new(to_camera(LIGHT), to_camera(DVec3::Z))?,
-            irradiance: IRRADIANCE.to_vec(),
-            bottom: mean.map(|reflectance| Bottom::new(FLOOR, reflectance)).collect::<Result<_>>()?,
-        }),
         fit: Vec::new(),
     };
     scene.geometry.check()?;
+    let shading = Some(Shading::Map(image(&|x, y| lit(&hit(x, y)))));
+    let illumination = Illumination::Parallel {
+        sun: Sun::new(to_camera(LIGHT), to_camera(DVec3::Z))?,
+        irradiance: IRRADIANCE.to_vec(),
+        bottom: mean.map(|reflectance| Bottom::new(FLOOR, reflectance)).collect::<Result<_>>()?,
+    };
     let media = MEDIA.map(|[sigma_s, sigma_a, b]| Medium::gaussian(sigma_s, sigma_a, b));
-    Ok((scene, media.into_iter().collect::<Result<_>>()?))
+    Ok((LitScene { scene, shading, illumination }, media.into_iter().collect::<Result<_>>()?))
 }
 
 /// Side of the image, px.
@@ -166,7 +165,7 @@ pub fn side(effort: Effort) -> usize {
 ///
 /// # Errors
 /// As [`synthesize`].
-pub fn pictures(scene: &Scene, media: &[Medium]) -> Result<Vec<(Model, Synthesis)>> {
+pub fn pictures(scene: &LitScene, media: &[Medium]) -> Result<Vec<(Model, Synthesis)>> {
     let by = |model| Ok((model, synthesize(scene, media, model, Filter::Eq29, Backend::Cpu)?));
     MODELS.into_iter().map(by).collect()
 }

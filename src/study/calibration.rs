@@ -13,7 +13,7 @@ use crate::fit::{ChannelFit, NAMES, Parameters, Settings};
 use crate::image::{Channel, Image};
 use crate::medium::Medium;
 use crate::phase::b_of_spread_angle;
-use crate::scene::{Gain, Noise, Scene, Veil};
+use crate::scene::{Gain, Noise, ObservedScene, Veil};
 use crate::spread::Model;
 use rayon::prelude::*;
 
@@ -133,8 +133,8 @@ impl Case {
         let truth = self.planes[0].truth();
         let mut known = clean.clone();
         for scene in &mut known {
-            scene.fit[0].start = truth.map(Some);
-            let observation = scene.observation.as_mut().expect("made with one");
+            scene.scene.fit[0].start = truth.map(Some);
+            let observation = &mut scene.observation;
             observation.noise = observation.noise.take().or(Some(Noise::Level(self.noise)));
         }
         let ideal =
@@ -155,15 +155,15 @@ impl Case {
     ///
     /// # Errors
     /// As [`Setting::render`].
-    pub fn scenes(&self, seed: u64) -> Result<Vec<Scene>> {
+    pub fn scenes(&self, seed: u64) -> Result<Vec<ObservedScene>> {
         let clean = self.planes.iter().map(|plane| self.scene(plane)).collect::<Result<_>>()?;
         Ok(self.noisy(clean, seed))
     }
 
     /// `scenes` with the noise of `seed` and the seeds that follow it.
-    fn noisy(&self, mut scenes: Vec<Scene>, seed: u64) -> Vec<Scene> {
+    fn noisy(&self, mut scenes: Vec<ObservedScene>, seed: u64) -> Vec<ObservedScene> {
         for (scene, own) in scenes.iter_mut().zip(0..) {
-            let image = &mut scene.observation.as_mut().expect("made with one").image[0].image;
+            let image = &mut scene.observation.image[0].image;
             *image = self.draw(image, seed.wrapping_add(own));
         }
         scenes
@@ -185,11 +185,11 @@ impl Case {
         })
     }
 
-    fn scene(&self, plane: &Setting) -> Result<Scene> {
+    fn scene(&self, plane: &Setting) -> Result<ObservedScene> {
         let image = plane.render(self.model)?;
         let variance = vec![Channel { name: "Y".into(), image: self.variance(&image) }];
         let mut scene = plane.scene(image, None)?;
-        let observation = scene.observation.as_mut().expect("made with one");
+        let observation = &mut scene.observation;
         observation.noise = match self.told {
             Told::Level => Some(Noise::Level(self.noise)),
             Told::Nothing => None,

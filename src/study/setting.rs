@@ -6,7 +6,7 @@ use crate::geometry::Geometry;
 use crate::image::{Border, Channel, Image, View};
 use crate::medium::Medium;
 use crate::phase::PhaseFunction;
-use crate::scene::{FitOptions, Gain, Noise, Observation, PartialMedium, Scene, Veil};
+use crate::scene::{FitOptions, Gain, Noise, Observation, ObservedScene, PartialMedium, Scene, Veil};
 use crate::spread::Model;
 use crate::trace::{ImageConfig, TracedImage, trace_image};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -145,30 +145,29 @@ impl Setting {
     ///
     /// # Errors
     /// As [`Geometry::planar`].
-    pub fn scene(&self, observed: Image, noise: Option<f64>) -> Result<Scene> {
+    pub fn scene(&self, observed: Image, noise: Option<f64>) -> Result<ObservedScene> {
         let gray = |image: Image| vec![Channel { name: "Y".into(), image }];
-        Ok(Scene {
+        let scene = Scene {
             path: PathBuf::from("plane"),
             object: gray(self.texture.image(self.side)),
-            shading: None,
             behind: vec![Vec::new()],
             geometry: self.geometry()?,
             depth_error: 0.0,
             border: Border::Zero,
             view: View::whole(self.side, self.side),
-            observation: Some(Observation {
-                path: PathBuf::from("plane"),
-                image: gray(observed),
-                noise: noise.map(Noise::Level),
-                mask: None,
-                gain: Gain::Fixed(1.0),
-                veil: Veil::Fixed(0.0),
-                gain_error: 0.0,
-                hidden_share_max: 0.01,
-            }),
             medium: vec![PartialMedium::default()],
-            illumination: None,
             fit: vec![FitOptions { family: self.medium.phase().family(), ..FitOptions::default() }],
-        })
+        };
+        let observation = Observation {
+            path: PathBuf::from("plane"),
+            image: gray(observed),
+            noise: noise.map(Noise::Level),
+            mask: None,
+            gain: Gain::Fixed(1.0),
+            veil: Veil::Fixed(0.0),
+            gain_error: 0.0,
+            hidden_share_max: 0.01,
+        };
+        Ok(ObservedScene { scene, observation })
     }
 }

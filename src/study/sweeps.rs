@@ -9,7 +9,7 @@ use crate::geometry::Geometry;
 use crate::image::Image;
 use crate::medium::Medium;
 use crate::phase::{HenyeyGreenstein, PhaseFunction, b_of_spread_angle};
-use crate::scene::Scene;
+use crate::scene::ObservedScene;
 use crate::spread::Model;
 use crate::trace::log_spaced;
 use rayon::prelude::*;
@@ -110,7 +110,7 @@ fn fits(
     sweep: &'static str,
     (level, label): (f64, String),
     setting: &Setting,
-    scene: &Scene,
+    scene: &ObservedScene,
     methods: &[Method],
     compared: [bool; 3],
 ) -> Vec<Trial> {
@@ -171,7 +171,7 @@ impl Sweeps<'_> {
     }
 
     /// The scene of `clean` with the usual noise.
-    fn noisy(&self, setting: &Setting, clean: &Image) -> Result<Scene> {
+    fn noisy(&self, setting: &Setting, clean: &Image) -> Result<ObservedScene> {
         setting.scene(with_noise(clean, NOISE * clean.mean(), self.seed), None)
     }
 
@@ -191,7 +191,7 @@ impl Sweeps<'_> {
                 let mut scene = self.noisy(&self.base, clean)?;
                 let [s, a, b] = self.base.truth();
                 let off = |k: usize| 10f64.powf(decades * f64::from(sign[k]));
-                scene.fit[0].start = [Some(s * off(0)), Some(a), Some(b * off(1))];
+                scene.scene.fit[0].start = [Some(s * off(0)), Some(a), Some(b * off(1))];
                 let place =
                     (decades + 10.0 * i as f64, format!("sigma_s x {:.3}, B x {:.3}", off(0), off(1)));
                 trials.extend(fits("start", place, &self.base, &scene, &SOLVED, [true; 3]));
@@ -236,14 +236,14 @@ impl Sweeps<'_> {
         for error in [0.01, 0.02, 0.05, 0.1] {
             let mut scene = self.noisy(&self.base, clean)?;
             let Setting { side, pixel_pitch, z, .. } = self.base;
-            scene.geometry = Geometry::planar(side, side, pixel_pitch, z * (1.0 + error))?;
-            scene.depth_error = error;
+            scene.scene.geometry = Geometry::planar(side, side, pixel_pitch, z * (1.0 + error))?;
+            scene.scene.depth_error = error;
             trials.extend(fits("depth error", (error, String::new()), &self.base, &scene, &SWEPT, [true; 3]));
 
             let mut brighter = clean.clone();
             brighter.data.iter_mut().for_each(|v| *v *= 1.0 + error as f32);
             let mut scene = self.noisy(&self.base, &brighter)?;
-            scene.observation.as_mut().expect("made with one").gain_error = error;
+            scene.observation.gain_error = error;
             trials.extend(fits("gain error", (error, String::new()), &self.base, &scene, &SWEPT, [true; 3]));
         }
         Ok(trials)
@@ -299,7 +299,7 @@ impl Sweeps<'_> {
         let mut trials = Vec::new();
         for share in [0.01, 0.05, 0.2, 0.5] {
             let mut scene = self.noisy(&self.base, clean)?;
-            let image = &mut scene.observation.as_mut().expect("made with one").image[0].image;
+            let image = &mut scene.observation.image[0].image;
             let mut sorted = image.data.clone();
             sorted.sort_by(f32::total_cmp);
             let top = sorted[((1.0 - share) * (sorted.len() - 1) as f64) as usize];

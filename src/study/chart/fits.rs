@@ -76,7 +76,7 @@ pub(super) fn all(set: &Dataset, backends: &[Backend], effort: &Effort, tick: &d
     let mut trials = Vec::new();
     for &backend in backends {
         for method in methods() {
-            let (time, outcome) = match effort.time(|| method.fit(&set.scene, backend)) {
+            let (time, outcome) = match effort.time(|| method.fit(&set.observed, backend)) {
                 Ok((fit, time)) => (Some(time), judge(&fit, set)),
                 Err(error) => (None, Err(error.to_string())),
             };

@@ -56,7 +56,7 @@ pub struct Rendered {
 impl Dataset {
     /// Every way in which to render it by one of `backends` backends, or to trace it.
     pub(super) fn ways(&self, backends: usize, effort: &Effort) -> Vec<Way> {
-        let filters = match Filter::Auto.relief(&self.scene.geometry) {
+        let filters = match Filter::Auto.relief(&self.scene().geometry) {
             Some(_) => &[Filter::Eq29, Filter::Composite][..],
             None => &[Filter::Eq29],
         };
@@ -76,7 +76,7 @@ impl Dataset {
         (model, filter, backend): (Model, Filter, Backend),
         effort: &Effort,
     ) -> Result<(Vec<Image>, Option<Timing>, Timing)> {
-        let relief = filter.relief(&self.scene.geometry);
+        let relief = filter.relief(&self.scene().geometry);
         let channels = || 0..self.truth.len();
         let prepare =
             |c: usize| backend.prepare(self.target(c, relief.as_ref()), &self.optics(model, c), 1.0);
@@ -95,11 +95,11 @@ impl Dataset {
     fn trace(&self, samples: u32, effort: &Effort) -> Result<(Vec<Image>, Timing)> {
         let trace = |(c, truth): (usize, &Medium)| {
             let config = ImageConfig {
-                geometry: &self.scene.geometry,
-                radiance: &self.scene.object[c].image,
-                behind: &self.scene.behind[c],
-                border: self.scene.border,
-                view: self.scene.view,
+                geometry: &self.scene().geometry,
+                radiance: &self.scene().object[c].image,
+                behind: &self.scene().behind[c],
+                border: self.scene().border,
+                view: self.scene().view,
                 medium: *truth,
                 samples,
                 seed: SEED + c as u64,
@@ -168,7 +168,7 @@ mod tests {
     #[test]
     fn half_the_light_errs_by_half_and_the_noise_of_the_truth_is_taken_off() {
         let set = set("mitsuba-checker");
-        let observed = &set.scene.observation.as_ref().unwrap().image[0].image;
+        let observed = &set.observed.observation.image[0].image;
         let halved = Image { data: observed.data.iter().map(|v| 0.5 * v).collect(), ..observed.clone() };
         let error = set.error_of(&[halved]);
         // The observation's own noise, 1.1 % of the mean, is in both images here and adds to neither.
