@@ -113,8 +113,8 @@ impl Scene {
             relief: relief.as_ref(),
         };
         let phase = Gaussian::new((WIDTH_PX * PIXEL_PITCH / DEPTH).powi(2)).unwrap();
-        let medium = Medium::new(0.95, 0.05).unwrap();
-        let optics = Optics { model: Model::SmallAngle, medium, phase: &phase };
+        let medium = Medium::new(0.95, 0.05, phase.into()).unwrap();
+        let optics = Optics { model: Model::SmallAngle, medium };
         let prepare = || backend.prepare(target, &optics, 1.0).expect("the device holds it");
         let prepared = prepare();
         let preparing = median(|| finish(&prepare()));

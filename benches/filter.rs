@@ -72,8 +72,8 @@ fn half_planes(n: usize, pitch: f64) -> Geometry {
 
 fn filter(c: &mut Criterion) {
     let phase = Gaussian::new(b_of_spread_angle(SPREAD_ANGLE_DEG.to_radians())).unwrap();
-    let medium = Medium::new(SIGMA_S, SIGMA_A).unwrap();
-    let optics = Optics { model: Model::SmallAngle, medium, phase: &phase };
+    let medium = Medium::new(SIGMA_S, SIGMA_A, phase.into()).unwrap();
+    let optics = Optics { model: Model::SmallAngle, medium };
     let mut floors = Vec::new();
     for scene in scenes(&phase) {
         let (width, height) = (scene.radiance.width, scene.radiance.height);

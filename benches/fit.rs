@@ -38,8 +38,8 @@ const START_PADDING: f64 = 0.5;
 
 fn observed(target: Target) -> Image {
     let phase = Gaussian::new(b_of_spread_angle(SPREAD_ANGLE_DEG.to_radians())).unwrap();
-    let medium = Medium::new(SIGMA_S, SIGMA_A).unwrap();
-    let optics = Optics { model: Model::SmallAngle, medium, phase: &phase };
+    let medium = Medium::new(SIGMA_S, SIGMA_A, phase.into()).unwrap();
+    let optics = Optics { model: Model::SmallAngle, medium };
     let clean = CpuFilter::new(target, &optics, 1.0).unwrap().render(&optics).unwrap();
     scenes::with_noise(&clean, NOISE, 1)
 }
@@ -95,7 +95,7 @@ fn sums_floor(target: Target, fit: impl Fn(&FitOptions) -> ChannelFit) -> String
     let [sigma_s, sigma_a, b] = found.parameters.values();
     let phase = Gaussian::new(b).unwrap();
     let optics =
-        Optics { model: Model::SmallAngle, medium: Medium::new(sigma_s, sigma_a).unwrap(), phase: &phase };
+        Optics { model: Model::SmallAngle, medium: Medium::new(sigma_s, sigma_a, phase.into()).unwrap() };
     let basis = Basis::new(target).unwrap();
     let weights =
         best_of(5, || (0..100).for_each(|_| drop(black_box(basis.weights(&optics).unwrap())))) / 100.0;
@@ -153,8 +153,8 @@ fn floor(target: Target, fit: impl Fn(&FitOptions) -> ChannelFit) -> String {
     let start_filter = CpuFilter::with_slices(target, 1, START_PADDING * side as f64);
     let [sigma_s, sigma_a, b] = found.start;
     let phase = Gaussian::new(b).unwrap();
-    let medium = Medium::new(sigma_s, sigma_a).unwrap();
-    let optics = Optics { model: Model::SmallAngle, medium, phase: &phase };
+    let medium = Medium::new(sigma_s, sigma_a, phase.into()).unwrap();
+    let optics = Optics { model: Model::SmallAngle, medium };
     let filter = CpuFilter::new(target, &optics, HEADROOM).unwrap();
     let (per_start, _, start_size) = start_filter.transforms();
     let (_, _, size) = filter.transforms();

@@ -26,8 +26,8 @@ fn gaussian() -> Gaussian {
     Gaussian::new(0.25 * spread * spread).unwrap()
 }
 
-fn config(depths: Vec<f64>) -> RadialConfig {
-    let medium = Medium::new(TAU, SIGMA_A).unwrap();
+fn config<P>(depths: Vec<f64>, phase: P) -> RadialConfig<P> {
+    let medium = Medium::new(TAU, SIGMA_A, phase).unwrap();
     RadialConfig { medium, depths, edges: log_spaced(1e-3, 3.0, 100), paths: PATHS, seed: 1 }
 }
 
@@ -42,14 +42,13 @@ fn radial(c: &mut Criterion) {
     let phase = gaussian();
     let same_mean_cosine = HenyeyGreenstein::new(phase.mean_cosine()).unwrap();
     let eight: Vec<f64> = (1..=8).map(|i| f64::from(i) / 8.0).collect();
-    group.bench_function("gaussian, 1 plane", |b| {
-        b.iter(|| trace_radial(&config(vec![1.0]), &phase, &|_| ()))
-    });
+    group
+        .bench_function("gaussian, 1 plane", |b| b.iter(|| trace_radial(&config(vec![1.0], phase), &|_| ())));
     group.bench_function("gaussian, 8 planes", |b| {
-        b.iter(|| trace_radial(&config(eight.clone()), &phase, &|_| ()));
+        b.iter(|| trace_radial(&config(eight.clone(), phase), &|_| ()));
     });
     group.bench_function("henyey-greenstein, 1 plane", |b| {
-        b.iter(|| trace_radial(&config(vec![1.0]), &same_mean_cosine, &|_| ()));
+        b.iter(|| trace_radial(&config(vec![1.0], same_mean_cosine), &|_| ()));
     });
     group.finish();
 }
@@ -70,7 +69,7 @@ fn image(c: &mut Criterion) {
             behind: Vec::new(),
             surface: Field::Uniform(0.0),
         };
-        let medium = Medium::new(TAU, SIGMA_A).unwrap();
+        let medium = Medium::new(TAU, SIGMA_A, gaussian()).unwrap();
         let view = View::whole(64, 64);
         let config = ImageConfig {
             geometry: &geometry,
@@ -82,7 +81,7 @@ fn image(c: &mut Criterion) {
             samples,
             seed: 1,
         };
-        group.bench_function(name, |b| b.iter(|| trace_image(&config, &gaussian(), &|_| ())));
+        group.bench_function(name, |b| b.iter(|| trace_image(&config, &|_| ())));
     }
     group.finish();
 }
@@ -124,7 +123,7 @@ fn where_the_time_goes(_: &mut Criterion) {
     let whole = (0..3)
         .map(|_| {
             let start = Instant::now();
-            let profiles = pool.install(|| trace_radial(&config(vec![1.0]), &phase, &|_| ())).unwrap();
+            let profiles = pool.install(|| trace_radial(&config(vec![1.0], phase), &|_| ())).unwrap();
             black_box(profiles);
             start.elapsed().as_secs_f64() * 1e9 / scattered_paths() as f64
         })

@@ -56,7 +56,7 @@ fn main() -> anyhow::Result<()> {
     // One medium in the file stands for all channels.
     let fits = eq29.channels.iter().zip(&composite.channels).zip(truth.iter().cycle());
     for (((channel, by_eq29), (_, by_composite)), truth) in fits {
-        let truth = truth.values();
+        let truth = truth.parameters();
         for (i, name) in NAMES.iter().enumerate() {
             let channel = if eq29.channels.len() == 1 { String::new() } else { format!(".{channel}") };
             let mut row = vec![format!("{name}{channel}"), format!("{:.5}", truth[i])];

@@ -31,7 +31,7 @@ fn main() -> anyhow::Result<()> {
     for folder in arguments {
         let name = folder.file_name().unwrap_or(folder.as_os_str()).display().to_string();
         let scene = Scene::read(&folder.join("scene.toml"), Purpose::Synthesize)?;
-        let media = scene.medium_values(PartialMedium::default())?;
+        let media = scene.media(PartialMedium::default())?;
         let made = |filter| synthesize(&scene, &media, model, filter, Backend::Cpu);
         let start = Instant::now();
         let eq29 = made(Filter::Eq29)?;

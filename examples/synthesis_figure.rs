@@ -21,7 +21,7 @@ fn main() -> anyhow::Result<()> {
     let mut rows: Vec<[Vec<Channel>; 2]> = Vec::new();
     for folder in arguments {
         let scene = Scene::read(&folder.join("scene.toml"), Purpose::Synthesize)?;
-        let media = scene.medium_values(PartialMedium::default())?;
+        let media = scene.media(PartialMedium::default())?;
         let made = synthesize(&scene, &media, Model::SmallAngle, Filter::Auto, Backend::Cpu)?;
         rows.push([made.clear.clone(), made.total()]);
     }

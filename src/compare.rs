@@ -57,22 +57,23 @@ fn error_of(share: f64, within: Estimate, total: Estimate, n: u64) -> f64 {
 mod tests {
     use super::*;
     use crate::medium::Medium;
-    use crate::phase::Gaussian;
     use crate::spread::Model;
     use crate::trace::{RadialConfig, log_spaced, trace_radial};
 
+    fn medium() -> Medium {
+        Medium::gaussian(1.0, 0.0, 0.001).unwrap()
+    }
+
     fn traced(seed: u64, paths: u64) -> RadialProfile {
-        let medium = Medium::new(1.0, 0.0).unwrap();
         let edges = log_spaced(1e-4, 10.0, 200);
-        let config = RadialConfig { medium, depths: vec![1.0], edges, paths, seed };
-        trace_radial(&config, &Gaussian::new(0.001).unwrap(), &|_| ()).unwrap().remove(0)
+        let config = RadialConfig { medium: medium(), depths: vec![1.0], edges, paths, seed };
+        trace_radial(&config, &|_| ()).unwrap().remove(0)
     }
 
     #[test]
     fn a_kernel_without_light_is_wrong_by_all_light_within_reach() {
         let profile = traced(1, 50_000);
-        let phase = Gaussian::new(0.001).unwrap();
-        let kernel = Model::BeerLambert.kernel(&Medium::new(1.0, 0.0).unwrap(), &phase, 1.0).unwrap();
+        let kernel = Model::BeerLambert.kernel(&medium(), 1.0).unwrap();
         let worst = worst_encircled_error(&profile, &*kernel).unwrap();
         let reach = MEDIAN_RADII * profile.quantile_radius(0.5);
         assert!(worst.radius <= reach && worst.radius > 0.9 * reach);
@@ -82,8 +83,7 @@ mod tests {
     #[test]
     fn half_of_the_light_falls_within_the_median_radius() {
         let profile = traced(1, 400_000);
-        let phase = Gaussian::new(0.001).unwrap();
-        let kernel = Model::SmallAngle.kernel(&Medium::new(1.0, 0.0).unwrap(), &phase, 1.0).unwrap();
+        let kernel = Model::SmallAngle.kernel(&medium(), 1.0).unwrap();
         let share = kernel.encircled_energy(profile.quantile_radius(0.5)) / kernel.scattered();
         // Four standard errors of a share of a half among 250 000 scattered paths.
         assert!((share - 0.5).abs() < 4e-3, "{share}");
@@ -92,8 +92,7 @@ mod tests {
     #[test]
     fn the_stated_error_is_the_scatter_between_seeds() {
         // A kernel wrong by a fifth of the light: its worst error stays near one radius, so that it scatters normally.
-        let phase = Gaussian::new(0.001).unwrap();
-        let kernel = Model::SingleScatter.kernel(&Medium::new(1.0, 0.0).unwrap(), &phase, 1.0).unwrap();
+        let kernel = Model::SingleScatter.kernel(&medium(), 1.0).unwrap();
         let worst: Vec<_> = (0..60)
             .map(|seed| worst_encircled_error(&traced(seed, 4_000), &*kernel).unwrap().share)
             .collect();

@@ -1,6 +1,5 @@
 //! Every way in which the library can refuse, each naming the culprit.
 
-use crate::phase::Family;
 use std::path::PathBuf;
 
 /// What went wrong, with the name, file, key or pixel that is to be mended.
@@ -85,16 +84,16 @@ pub enum Error {
     NoSecondMoment {
         /// The model's name.
         model: &'static str,
-        /// The phase function.
-        phase: Family,
+        /// The phase function's family, in words.
+        phase: String,
     },
     /// Something that is made for the Gaussian phase function alone.
     #[error("{what} is made for the Gaussian phase function, not for {phase}")]
     OnlyGaussian {
         /// What is.
         what: &'static str,
-        /// The phase function that it was given.
-        phase: Family,
+        /// The family, in words, of the phase function that it was given.
+        phase: String,
     },
     /// A model that has no kernel was asked for one.
     #[error(

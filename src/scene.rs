@@ -1,7 +1,8 @@
 //! A scene file read into typed, checked values (see the README for the format).
 //!
-//! [`Scene::read`] refuses whatever is missing, unknown, contradictory or out of range, by name of file and key or
-//! pixel; what it returns can be rendered, traced or fitted without further checks of the input.
+//! A file is read as what it is needed for: [`Scene`] to render or trace, [`ObservedScene`] to fit, [`LitScene`] to
+//! synthesize. Whatever is missing, unknown, contradictory or out of range is refused, by name of file and key or pixel; what
+//! is returned needs no further checks.
 
 mod fit_options;
 mod format;
@@ -16,23 +17,19 @@ mod variance;
 
 pub use medium::read_truth;
 
-use crate::error::Result;
 use crate::geometry::Geometry;
 use crate::illumination::{Bottom, Shading, Sun};
 use crate::image::{Border, Channel, Image, View};
-use crate::medium::Medium;
-use crate::phase::{Family, Lobe};
+use crate::phase::Family;
 use std::path::PathBuf;
 
-/// Everything that one scene file and the images it names say.
+/// What one scene file and the images it names say of object, camera and medium, and of a fit.
 #[derive(Debug, Clone)]
 pub struct Scene {
     /// The scene file.
     pub path: PathBuf,
-    /// Clear radiance of the object, one channel or R, G, B; its reflectance if there is `shading`.
+    /// Clear radiance of the object, one channel or R, G, B; its reflectance in a [`LitScene`] with `shading`.
     pub object: Vec<Channel>,
-    /// There if the object sends out no light of its own but reflects the illumination's.
-    pub shading: Option<Shading>,
     /// For each of these channels, the clear radiance of each further layer, nearest first.
     pub behind: Vec<Vec<Image>>,
     /// Camera, object distance, medium surface.
@@ -43,25 +40,30 @@ pub struct Scene {
     pub border: Border,
     /// The part of the object image that is observed, rendered or traced.
     pub view: View,
-    /// What was seen through the medium: there if the scene was read for [`Purpose::Fit`].
-    pub observation: Option<Observation>,
-    /// What `[medium]` says, one for each object channel; see [`Scene::medium_values`].
+    /// What `[medium]` says, one for each object channel; see [`Scene::media`].
     pub medium: Vec<PartialMedium>,
-    /// The light that falls into the medium: there if the scene was read for [`Purpose::Synthesize`].
-    pub illumination: Option<Illumination>,
     /// Starting values, fixed values and bounds of a fit, one for each object channel.
     pub fit: Vec<FitOptions>,
 }
 
-/// What a scene is read for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Purpose {
-    /// To fit a medium: `[observation]` and its image are required.
-    Fit,
-    /// To render or trace: of `[observation]` only the place and the size of the view are read.
-    Render,
-    /// To render with the light of `[illumination]`, which is required; else as to render.
-    Synthesize,
+/// A scene and what was seen of it through the medium.
+#[derive(Debug, Clone)]
+pub struct ObservedScene {
+    /// The scene; its view is the part that is observed.
+    pub scene: Scene,
+    /// What was seen.
+    pub observation: Observation,
+}
+
+/// A scene and the light that falls into its medium.
+#[derive(Debug, Clone)]
+pub struct LitScene {
+    /// The scene.
+    pub scene: Scene,
+    /// There if the object sends out no light of its own but reflects the illumination's.
+    pub shading: Option<Shading>,
+    /// The light.
+    pub illumination: Illumination,
 }
 
 /// The light that falls into the medium.
@@ -87,51 +89,10 @@ pub struct PartialMedium {
     pub sigma_s: Option<f64>,
     /// Absorption coefficient, 1/length.
     pub sigma_a: Option<f64>,
-    /// Family of the phase function: that of the key which gives its shape.
+    /// Family of the phase function: that of the key which gives its parameter.
     pub family: Family,
-    /// Its shape, B (rad²) or g.
-    pub shape: Option<f64>,
-}
-
-/// sigma_s, sigma_a (1/length) and the phase function, each in its range.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MediumValues {
-    /// Scattering coefficient, 1/length.
-    pub sigma_s: f64,
-    /// Absorption coefficient, 1/length.
-    pub sigma_a: f64,
-    /// Family of the phase function.
-    pub family: Family,
-    /// Its shape, B (rad²) or g.
-    pub shape: f64,
-}
-
-impl MediumValues {
-    /// Those of a medium with the Gaussian phase function of width `b`, rad²; coefficients in 1/length.
-    pub const fn gaussian(sigma_s: f64, sigma_a: f64, b: f64) -> Self {
-        Self { sigma_s, sigma_a, family: Family::Gaussian, shape: b }
-    }
-
-    /// sigma_s, sigma_a and the shape.
-    pub fn values(&self) -> [f64; 3] {
-        [self.sigma_s, self.sigma_a, self.shape]
-    }
-
-    /// The medium.
-    ///
-    /// # Errors
-    /// As [`Medium::new`].
-    pub fn medium(&self) -> Result<Medium> {
-        Medium::new(self.sigma_s, self.sigma_a)
-    }
-
-    /// The phase function.
-    ///
-    /// # Errors
-    /// As [`Family::lobe`].
-    pub fn lobe(&self) -> Result<Lobe> {
-        self.family.lobe(self.shape)
-    }
+    /// Its parameter, B (rad²) or g.
+    pub phase_parameter: Option<f64>,
 }
 
 /// The observed image and how it was exposed.
@@ -190,12 +151,13 @@ pub enum Veil {
 /// and bounds do not matter. Values and bounds are finite, sigma_s and B above 0, sigma_a at least 0, g between 0 and 1.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct FitOptions {
-    /// Family of the phase function whose shape, B or g, is fitted.
+    /// Family of the phase function whose parameter, B or g, is fitted.
     pub family: Family,
-    /// Starting values of sigma_s, sigma_a and the shape.
+    /// Starting values of sigma_s, sigma_a and the phase-function parameter.
     pub start: [Option<f64>; 3],
-    /// Values of sigma_s, sigma_a and the shape that are held.
+    /// Values of sigma_s, sigma_a and the phase-function parameter that are held.
     pub fixed: [Option<f64>; 3],
-    /// Lower and upper bounds of sigma_s, sigma_a and the shape, the lower below the upper and the start between them.
+    /// Lower and upper bounds of sigma_s, sigma_a and the phase-function parameter, the lower below the upper and the start
+    /// between them.
     pub bounds: [Option<[f64; 2]>; 3],
 }

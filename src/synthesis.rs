@@ -9,7 +9,7 @@ use crate::filter::{Backend, Filter, Optics, Target};
 use crate::illumination::{Bottom, PlaneParallel, lit_radiance};
 use crate::image::{Channel, Image};
 use crate::medium::Medium;
-use crate::scene::{Illumination, MediumValues, Scene};
+use crate::scene::{Illumination, LitScene, Scene};
 use crate::spread::Model;
 
 /// The light of an image by its origin, one channel each as the object has them, over the scene's view.
@@ -39,35 +39,30 @@ impl Synthesis {
     }
 }
 
-/// The image of `scene`, read for [`Purpose::Synthesize`](crate::scene::Purpose::Synthesize), through `media`, one for each
-/// of its channels.
+/// The image of `lit` through `media`, one for each of its channels.
 ///
 /// # Errors
-/// As [`Backend::prepare`], [`MediumValues::lobe`] and [`Medium::new`].
-///
-/// # Panics
-/// If the scene has no illumination.
+/// As [`Backend::prepare`].
 pub fn synthesize(
-    scene: &Scene,
-    media: &[MediumValues],
+    lit: &LitScene,
+    media: &[Medium],
     model: Model,
     filter: Filter,
     backend: Backend,
 ) -> Result<Synthesis> {
-    let illumination = scene.illumination.as_ref().expect("read for a synthesis");
+    let LitScene { scene, shading, illumination } = lit;
     let relief = filter.relief(&scene.geometry);
     let none = || Vec::with_capacity(scene.object.len());
     let mut made = Synthesis { clear: none(), direct: none(), scattered: none(), veil: none(), cut: false };
-    for (i, values) in media.iter().enumerate() {
+    for (i, medium) in media.iter().enumerate() {
         let object = &scene.object[i].image;
-        let (medium, phase) = (values.medium()?, values.lobe()?);
-        let (clear, lit, veil) = match illumination {
+        let (clear, radiance, veil) = match illumination {
             Illumination::Veil(channels) => (object.clone(), object.clone(), channels[i].image.clone()),
             Illumination::Parallel { sun, irradiance, bottom } => {
-                let air =
-                    PlaneParallel::new(*sun, irradiance[i], Bottom::NONE, Medium::new(0.0, 0.0)?, &phase)?;
-                let light = PlaneParallel::new(*sun, irradiance[i], bottom[i], medium, &phase)?;
-                let under = |light: &PlaneParallel| match &scene.shading {
+                let air = Medium::new(0.0, 0.0, *medium.phase())?;
+                let air = PlaneParallel::new(*sun, irradiance[i], Bottom::NONE, air)?;
+                let light = PlaneParallel::new(*sun, irradiance[i], bottom[i], *medium)?;
+                let under = |light: &PlaneParallel| match shading {
                     None => object.clone(),
                     Some(shading) => lit_radiance(object, shading, &scene.geometry, light),
                 };
@@ -75,14 +70,14 @@ pub fn synthesize(
             }
         };
         let target = Target {
-            radiance: &lit,
+            radiance: &radiance,
             behind: &scene.behind[i],
             geometry: &scene.geometry,
             border: scene.border,
             view: scene.view,
             relief: relief.as_ref(),
         };
-        let optics = Optics { model, medium, phase: &phase };
+        let optics = Optics { model, medium: *medium };
         let prepared = backend.prepare(target, &optics, 1.0)?;
         let direct = unscattered(&target, |z| medium.transmittance(z));
         let mut scattered = prepared.render(&optics)?;

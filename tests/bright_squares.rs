@@ -8,7 +8,9 @@ use narrowbeam::filter::cpu::CpuFilter;
 use narrowbeam::filter::{Optics, Target};
 use narrowbeam::image::Image;
 use narrowbeam::io::exr::ExrFile;
-use narrowbeam::scene::{MediumValues, Purpose, Scene, read_truth};
+use narrowbeam::medium::Medium;
+use narrowbeam::phase::PhaseFunction;
+use narrowbeam::scene::{Purpose, Scene, read_truth};
 use narrowbeam::spread::Model;
 use std::path::{Path, PathBuf};
 
@@ -32,7 +34,7 @@ fn names() -> Vec<String> {
 
 struct Square {
     scene: Scene,
-    truth: MediumValues,
+    truth: Medium,
     observed: Image,
     variance: Image,
 }
@@ -63,9 +65,8 @@ impl Square {
     }
 
     /// The worst error of `model`'s encircled energy in a medium, over all radii that the image holds.
-    fn worst(&self, model: Model, truth: MediumValues) -> Error {
-        let phase = truth.lobe().unwrap();
-        let optics = Optics { model, medium: truth.medium().unwrap(), phase: &phase };
+    fn worst(&self, model: Model, truth: Medium) -> Error {
+        let optics = Optics { model, medium: truth };
         let (geometry, radiance) = (&self.scene.geometry, &self.scene.object[0].image);
         let target = Target {
             radiance,
@@ -114,9 +115,9 @@ fn encircled_energy_is_that_of_mitsuba() {
         let small = square.worst(Model::SmallAngle, square.truth);
         println!(
             "| `{name}` | {} | {} | {:.0}° | {:.2} | {:.2} | {:.1} | {:.1} |",
-            square.truth.sigma_s,
-            square.truth.sigma_a,
-            (4.0 * square.truth.shape).sqrt().to_degrees(),
+            square.truth.sigma_s(),
+            square.truth.sigma_a(),
+            (4.0 * square.truth.phase().parameter()).sqrt().to_degrees(),
             100.0 * wide.share,
             100.0 * wide.noise,
             wide.radius_px,
@@ -132,11 +133,11 @@ fn encircled_energy_is_that_of_mitsuba() {
 fn another_medium_is_refused() {
     for name in names() {
         let square = Square::read(&name);
-        let MediumValues { sigma_s, sigma_a, shape, .. } = square.truth;
+        let ([sigma_s, sigma_a, parameter], phase) = (square.truth.parameters(), *square.truth.phase());
         let others = [
-            MediumValues { sigma_s: 1.03 * sigma_s, ..square.truth },
-            MediumValues { sigma_a: 1.03 * sigma_a + 0.02, ..square.truth },
-            MediumValues { shape: 0.9 * shape, ..square.truth },
+            Medium::new(1.03 * sigma_s, sigma_a, phase).unwrap(),
+            Medium::new(sigma_s, 1.03 * sigma_a + 0.02, phase).unwrap(),
+            square.truth.with_phase(phase.family().phase(0.9 * parameter).unwrap()),
         ];
         for other in others {
             let worst = square.worst(Model::WideAngle, other);

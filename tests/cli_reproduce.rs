@@ -5,6 +5,7 @@
 mod program;
 
 use narrowbeam::compare::RmsError;
+use narrowbeam::medium::Medium;
 use narrowbeam::paper::{Effort, Experiment, figure_5, figure_8};
 use narrowbeam::trace::Estimate;
 use program::{refuses, succeeds};
@@ -120,7 +121,7 @@ fn the_light_of_figure_8_is_that_of_the_documentation_and_of_no_other_medium() {
         assert!(0.0 < *direct && direct < clear && *scattered > 0.0 && *veil > 0.0, "{of}");
     }
     let (scene, mut media) = figure_8::scene(figure_8::side(Effort::Quick)).unwrap();
-    media.iter_mut().for_each(|m| m.sigma_s *= 1.05);
+    media.iter_mut().for_each(|m| *m = Medium::new(1.05 * m.sigma_s(), m.sigma_a(), *m.phase()).unwrap());
     let pictures = figure_8::pictures(&scene, &media).unwrap();
     let row = |l: figure_8::Light| {
         let [direct, scattered, veil] = l.parts;

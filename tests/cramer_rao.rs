@@ -6,8 +6,9 @@ use narrowbeam::fit::forecast::{Plan, forecast};
 use narrowbeam::fit::noise::with_noise;
 use narrowbeam::geometry::{Field, Geometry};
 use narrowbeam::image::{Border, Image};
+use narrowbeam::medium::Medium;
 use narrowbeam::phase::b_of_spread_angle;
-use narrowbeam::scene::{MediumValues, Scene};
+use narrowbeam::scene::Scene;
 use narrowbeam::study::{Setting, Texture};
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
@@ -39,8 +40,8 @@ fn noise_of_spectrum(power: f64, contrast: f64) -> Image {
     Image::from_fn(SIDE, SIDE, |x, y| (1.0 + contrast * waves[y * SIDE + x].re / rms) as f32)
 }
 
-fn medium(tau: f64) -> MediumValues {
-    MediumValues::gaussian(tau / Z, 0.1 / Z, b_of_spread_angle(0.05))
+fn medium(tau: f64) -> Medium {
+    Medium::gaussian(tau / Z, 0.1 / Z, b_of_spread_angle(0.05)).unwrap()
 }
 
 fn scene(object: &Image, z: f64, tau: f64) -> Scene {

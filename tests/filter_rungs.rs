@@ -12,8 +12,8 @@ use narrowbeam::phase::Gaussian;
 use narrowbeam::spread::Model;
 use proptest::prelude::*;
 
-fn optics(model: Model, phase: &Gaussian) -> Optics<'_> {
-    Optics { model, medium: Medium::new(0.9, 0.1).unwrap(), phase }
+fn optics(model: Model, phase: &Gaussian) -> Optics {
+    Optics { model, medium: Medium::new(0.9, 0.1, (*phase).into()).unwrap() }
 }
 
 fn target<'a>(radiance: &'a Image, geometry: &'a Geometry, border: Border) -> Target<'a> {
@@ -165,7 +165,7 @@ fn image_derivatives_match_central_differences() {
             let filter = CpuFilter::new(target, &optics(model, &Gaussian::new(0.004).unwrap()), 1.5).unwrap();
             let render = |p: [f64; 3]| {
                 let phase = Gaussian::new(p[2]).unwrap();
-                let optics = Optics { model, medium: Medium::new(p[0], p[1]).unwrap(), phase: &phase };
+                let optics = Optics { model, medium: Medium::new(p[0], p[1], phase.into()).unwrap() };
                 filter.render_with_gradient(&optics).unwrap()
             };
             let gradient = render(point).gradient.unwrap();
@@ -196,7 +196,7 @@ fn zero_scattering_leaves_the_image_sharp() {
     let phase = Gaussian::new(0.004).unwrap();
     let target = target(&radiance, &geometry, Border::Zero);
     for model in Model::ALL {
-        let optics = Optics { model, medium: Medium::new(0.0, 0.3).unwrap(), phase: &phase };
+        let optics = Optics { model, medium: Medium::new(0.0, 0.3, phase.into()).unwrap() };
         let want = pixels(&radiance).map(|v| v * (-0.6_f64).exp());
         assert!(relative_l2(fast(&target, &optics), want) < 1e-6, "{model}");
     }
@@ -270,7 +270,7 @@ proptest! {
         let geometry = Geometry::planar(32, 32, 0.05, 2.0).unwrap();
         let phase = Gaussian::new(0.003).unwrap();
         let contrast = |sigma_s: f64| {
-            let optics = Optics { model: Model::SmallAngle, medium: Medium::new(sigma_s, 0.0).unwrap(), phase: &phase };
+            let optics = Optics { model: Model::SmallAngle, medium: Medium::new(sigma_s, 0.0, phase.into()).unwrap() };
             let image = fast(&target(&radiance, &geometry, Border::Mirror), &optics);
             assert!(image.iter().all(|v| *v > 0.0));
             let mean = image.iter().sum::<f64>() / image.len() as f64;

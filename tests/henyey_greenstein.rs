@@ -13,7 +13,6 @@ use narrowbeam::geometry::Geometry;
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Family, PhaseFunction};
-use narrowbeam::scene::MediumValues;
 use narrowbeam::spread::Model;
 use narrowbeam::study::{Setting, Texture};
 
@@ -22,8 +21,8 @@ const HG: Family = Family::HenyeyGreenstein;
 /// A plane 2 deep, its single scattering `width_px` wide.
 fn plane(tau: f64, absorbed: f64, g: f64, width_px: f64) -> Setting {
     let z = 2.0;
-    let medium = MediumValues { sigma_s: tau / z, sigma_a: absorbed / z, family: HG, shape: g };
-    let pixel_pitch = z * HG.lobe(g).unwrap().planar_width() / width_px;
+    let medium = Medium::new(tau / z, absorbed / z, HG.phase(g).unwrap()).unwrap();
+    let pixel_pitch = z * medium.phase().planar_width() / width_px;
     Setting { texture: Texture::Checker, side: 48, pixel_pitch, z, medium }
 }
 
@@ -39,8 +38,7 @@ fn defined(setting: &Setting) -> Image {
         view: View::whole(side, side),
         relief: None,
     };
-    let (medium, phase) = (setting.medium.medium().unwrap(), setting.medium.lobe().unwrap());
-    let optics = Optics { model: Model::SmallAngle, medium, phase: &phase };
+    let optics = Optics { model: Model::SmallAngle, medium: setting.medium };
     let data = direct_sum::render(&target, &optics).unwrap();
     Image { width: side, height: side, data: data.into_iter().map(|v| v as f32).collect() }
 }
@@ -57,7 +55,7 @@ fn codes(fit: &SceneFit) -> Vec<&'static str> {
 #[test]
 fn the_fast_filter_is_the_definition_but_for_what_comes_back_from_beyond_the_padding() {
     let radiance = texture(24, 20);
-    let phase = HG.lobe(0.95).unwrap();
+    let phase = HG.phase(0.95).unwrap();
     for width_px in [0.4, 1.0, 3.0, 12.0] {
         let z = 1.5;
         let geometry = Geometry::planar(24, 20, z * phase.planar_width() / width_px, z).unwrap();
@@ -69,8 +67,8 @@ fn the_fast_filter_is_the_definition_but_for_what_comes_back_from_beyond_the_pad
             view: View::whole(24, 20),
             relief: None,
         };
-        let medium = Medium::new(0.9, 0.1).unwrap();
-        let optics = Optics { model: Model::SmallAngle, medium, phase: &phase };
+        let medium = Medium::new(0.9, 0.1, phase.into()).unwrap();
+        let optics = Optics { model: Model::SmallAngle, medium };
         let definition = direct_sum::render(&target, &optics).unwrap();
         let prepared = Backend::Cpu.prepare(target, &optics, 1.0).unwrap();
         let fast = prepared.render(&optics).unwrap();
@@ -79,9 +77,10 @@ fn the_fast_filter_is_the_definition_but_for_what_comes_back_from_beyond_the_pad
         // Two parts in 10⁴ of the scattered light may come back, spread over the image, which is half as bright as it.
         assert!(error < 3e-4, "{width_px}: {error}");
         assert!(!prepared.coverage(&optics).unwrap().cut, "{width_px}");
-        // A lobe that is a hundredth wider is farther off.
-        let wider = HG.lobe(HG.of_width(1.01 * phase.planar_width())).unwrap();
-        let other = direct_sum::render(&target, &Optics { phase: &wider, ..optics }).unwrap();
+        // A phase function that is a hundredth wider is farther off.
+        let wider = HG.phase(HG.of_width(1.01 * phase.planar_width())).unwrap();
+        let other =
+            direct_sum::render(&target, &Optics { medium: medium.with_phase(wider), ..optics }).unwrap();
         assert!(width_px < 1.0 || relative_l2(other, definition) > 3e-4);
     }
 }
@@ -93,7 +92,8 @@ fn without_noise_the_medium_comes_back() {
         for (g, width_px) in [(0.98, 1.0), (0.95, 3.0), (0.8, 8.0)] {
             let setting = plane(tau, absorbed, g, width_px);
             let fit = fit(&setting, defined(&setting), None);
-            let ([s, a, g_found], truth) = (fit.channels[0].1.parameters.values(), setting.medium.values());
+            let ([s, a, g_found], truth) =
+                (fit.channels[0].1.parameters.values(), setting.medium.parameters());
             let errors = [s / truth[0] - 1.0, a / truth[1] - 1.0, (1.0 - g_found) / (1.0 - g) - 1.0];
             println!(
                 "{tau:3} {absorbed:9}   {g:6} {width_px:6}   {:9.1e} {:9.1e} {:9.1e}",
@@ -163,7 +163,7 @@ fn the_profile_of_g_is_near_its_standard_errors() {
 fn the_choice_of_a_model_is_made_by_errors_against_wide_angle() {
     // Traced light, wide enough for small angles to be several percent off.
     let setting = plane(1.0, 0.2, 0.9, 4.0);
-    let traced = setting.trace(&setting.medium.lobe().unwrap(), 4096, 7).unwrap();
+    let traced = setting.trace(*setting.medium.phase(), 4096, 7).unwrap();
     let noise = (traced.variance.mean()).sqrt();
     let scene = setting.scene(traced.mean, Some(noise)).unwrap();
     let fit = climb(&[scene], &Settings::default(), Filter::Auto, 0.01).unwrap();
@@ -174,7 +174,7 @@ fn the_choice_of_a_model_is_made_by_errors_against_wide_angle() {
         assert!(why.contains("Henyey-Greenstein"), "{model}: {why}");
     }
     assert!(rung("small-angle").shortcoming.as_ref().unwrap().contains("off by"));
-    let (parameters, truth) = (&fit.channels[0].1.parameters, setting.medium.values());
+    let (parameters, truth) = (&fit.channels[0].1.parameters, setting.medium.parameters());
     for (i, name) in parameters.names().into_iter().enumerate() {
         let p = &fit.report.parameters[name];
         let [value, std_error, model_error] =

@@ -3,17 +3,16 @@
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Gaussian, HenyeyGreenstein, b_of_spread_angle};
 use narrowbeam::trace::{
-    Histories, History, Likelihood, RadialConfig, Reweighted, Scattered, Turbid, trace_histories,
-    trace_radial,
+    Histories, History, Likelihood, RadialConfig, Reweighted, Scattered, trace_histories, trace_radial,
 };
 
 const PATHS: u64 = 200_000;
 
 /// In units of the plane's depth.
-type Scaled = Turbid<Gaussian>;
+type Scaled = Medium<Gaussian>;
 
 fn scaled(sigma_s: f64, sigma_a: f64, degrees: f64) -> Scaled {
-    Turbid { sigma_s, sigma_a, phase: Gaussian::new(b_of_spread_angle(degrees.to_radians())).unwrap() }
+    Medium::new(sigma_s, sigma_a, Gaussian::new(b_of_spread_angle(degrees.to_radians())).unwrap()).unwrap()
 }
 
 /// Light within `radius`.
@@ -22,7 +21,7 @@ fn within<P: Likelihood>(histories: &Histories<P>, radius: f64) -> f64 {
 }
 
 /// Mean over independent runs of the light within `radius`, and its standard error: copies of a path are not independent.
-fn light<P: Likelihood>(medium: Turbid<P>, radius: f64) -> (f64, f64) {
+fn light<P: Likelihood>(medium: Medium<P>, radius: f64) -> (f64, f64) {
     over_runs(|paths, seed| within(&trace_histories(medium, Scattered::Once, paths, seed).unwrap(), radius))
 }
 
@@ -35,16 +34,10 @@ fn over_runs(one: impl Fn(u64, u64) -> f64) -> (f64, f64) {
     (mean, (squares / (runs * (runs - 1)) as f64).sqrt())
 }
 
-fn agrees_with_the_radial_tally<P: Likelihood>(medium: Turbid<P>) {
+fn agrees_with_the_radial_tally<P: Likelihood>(medium: Medium<P>) {
     let radii = vec![0.3, 1.0];
-    let config = RadialConfig {
-        medium: Medium::new(medium.sigma_s, medium.sigma_a).unwrap(),
-        depths: vec![1.0],
-        edges: radii.clone(),
-        paths: 1_000_000,
-        seed: 12,
-    };
-    let profile = trace_radial(&config, &medium.phase, &|_| ()).unwrap().remove(0);
+    let config = RadialConfig { medium, depths: vec![1.0], edges: radii.clone(), paths: 1_000_000, seed: 12 };
+    let profile = trace_radial(&config, &|_| ()).unwrap().remove(0);
     for (i, radius) in radii.into_iter().enumerate() {
         let (found, error) = light(medium, radius);
         let want = profile.encircled_energy(i);
@@ -62,7 +55,7 @@ fn light_within_a_radius_is_that_of_the_radial_tally() {
         agrees_with_the_radial_tally(medium);
     }
     let phase = HenyeyGreenstein::new(0.85).unwrap();
-    agrees_with_the_radial_tally(Turbid { sigma_s: 2.0, sigma_a: 1.0, phase });
+    agrees_with_the_radial_tally(Medium::new(2.0, 1.0, phase).unwrap());
 }
 
 /// Light within `radius` that is scattered more than once, by two ways to trace it.
@@ -112,7 +105,7 @@ fn histories_do_not_depend_on_the_number_of_threads() {
 }
 
 fn medium([sigma_s, sigma_a, b]: [f64; 3]) -> Scaled {
-    Turbid { sigma_s, sigma_a, phase: Gaussian::new(b).unwrap() }
+    Medium::new(sigma_s, sigma_a, Gaussian::new(b).unwrap()).unwrap()
 }
 
 /// Light near the axis.

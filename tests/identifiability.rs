@@ -6,21 +6,28 @@ use narrowbeam::fit::noise::with_noise;
 use narrowbeam::fit::scenes::{SceneFit, fit_scenes};
 use narrowbeam::fit::{NAMES, Parameters, Settings, Status};
 use narrowbeam::image::{Border, Image};
-use narrowbeam::scene::{Gain, MediumValues, Noise, Scene};
+use narrowbeam::medium::Medium;
+use narrowbeam::phase::{Gaussian, PhaseFunction};
+use narrowbeam::scene::{Gain, Noise, Scene};
 use narrowbeam::spread::Model;
 use narrowbeam::study::{Setting, Texture};
 use serde_json::Value;
+use std::sync::LazyLock;
 
-const THIN: Setting = Setting {
+static THIN: LazyLock<Setting> = LazyLock::new(|| Setting {
     texture: Texture::Checker,
     side: 48,
     pixel_pitch: 0.03,
     z: 2.0,
-    medium: MediumValues::gaussian(0.7, 0.15, 0.004),
-};
+    medium: Medium::gaussian(0.7, 0.15, 0.004).unwrap(),
+});
 /// tau 10, the kernel a fifth of the view wide.
-const THICK: Setting =
-    Setting { side: 96, pixel_pitch: 0.01, medium: MediumValues::gaussian(5.0, 0.1, 5e-4), ..THIN };
+static THICK: LazyLock<Setting> = LazyLock::new(|| Setting {
+    side: 96,
+    pixel_pitch: 0.01,
+    medium: Medium::gaussian(5.0, 0.1, 5e-4).unwrap(),
+    ..*THIN
+});
 /// Noise under which sigma_s and B of [`THICK`] are lost: the forecast standard error of their logarithms is .73.
 const MUCH_NOISE: f64 = 0.25;
 
@@ -86,11 +93,11 @@ const SEEDS: u64 = 8;
 #[test]
 fn a_thick_medium_shows_sigma_s_times_b_and_a_second_depth_parts_them() {
     let plan = Plan { noise: MUCH_NOISE, free_gain: false, free_veil: false };
-    let truth = THICK.medium.sigma_s * THICK.medium.shape;
+    let truth = THICK.medium.sigma_s() * THICK.medium.phase().parameter();
     let mut chosen = None;
     let mut undetermined = 0;
     for seed in 0..SEEDS {
-        let scenes = [scene(&THICK, MUCH_NOISE, 2 * seed), scene(&nearer(THICK), MUCH_NOISE, 2 * seed + 1)];
+        let scenes = [scene(&THICK, MUCH_NOISE, 2 * seed), scene(&nearer(*THICK), MUCH_NOISE, 2 * seed + 1)];
         let alone = fit(&scenes[..1]);
         let status = |i: usize| alone.channels[0].1.uncertainty.status(i);
         if [status(0), status(2)] == [Status::Undetermined; 2] {
@@ -132,7 +139,7 @@ fn a_free_gain_shows_what_reaches_the_camera_and_a_known_one_frees_absorption() 
         scene.observation.as_mut().unwrap().gain = Gain::Free;
         scene
     };
-    let truth = 1.7 * (-THIN.medium.sigma_a * THIN.z).exp();
+    let truth = 1.7 * (-THIN.medium.sigma_a() * THIN.z).exp();
     let name = "gain·exp(-sigma_a z)";
     let (seeds, mut squares) = (20, 0.0);
     for seed in 0..seeds {
@@ -156,7 +163,7 @@ fn a_free_gain_shows_what_reaches_the_camera_and_a_known_one_frees_absorption() 
     // The promise rests on a gain that is fitted with an absorption that is not known.
     assert_kept(advice(&alone, "a known gain"), &fit(&[known]), &THIN, 0.05);
     // A second scene with a gain of its own does not help, as was said.
-    let two = fit(&[scene, exposed(&nearer(THIN), 0.8, 2)]);
+    let two = fit(&[scene, exposed(&nearer(*THIN), 0.8, 2)]);
     assert_eq!(two.channels[0].1.uncertainty.status(1), Status::Undetermined);
     combination(&two, &format!("{name} of scene 1"));
     combination(&two, &format!("{name} of scene 2"));
@@ -202,13 +209,17 @@ fn where_all_is_determined_and_nothing_entangled_there_is_nothing_to_tell() {
     assert!(fit.report.advice.is_empty());
     let (value, error) = combination(&fit, "sigma_s·b");
     assert!(error / value < fit.channels[0].1.uncertainty.std_error(0).unwrap() / 3.0);
-    assert!((value / (THICK.medium.sigma_s * THICK.medium.shape) - 1.0).abs() < 4.0 * error / value);
+    assert!(
+        (value / (THICK.medium.sigma_s() * THICK.medium.phase().parameter()) - 1.0).abs()
+            < 4.0 * error / value
+    );
 }
 
 #[test]
 fn what_direct_light_alone_shows_is_sigma_t() {
     let settings = Settings { model: Model::BeerLambert, ..Settings::default() };
-    let plane = Setting { medium: MediumValues { shape: 0.2, ..THIN.medium }, pixel_pitch: 1e-3, ..THIN };
+    let medium = THIN.medium.with_phase(Gaussian::new(0.2).unwrap().into());
+    let plane = Setting { medium, pixel_pitch: 1e-3, ..*THIN };
     let image = plane.render(Model::BeerLambert).unwrap();
     let mut found =
         fit_scenes(&[plane.scene(with_noise(&image, 1e-3, 1), None).unwrap()], &settings, Filter::Auto)

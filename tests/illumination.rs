@@ -19,10 +19,10 @@ struct Slab {
 }
 
 impl Slab {
-    fn closed_form<'a>(&self, phase: &'a Gaussian) -> PlaneParallel<'a> {
+    fn closed_form(&self, phase: Gaussian) -> PlaneParallel {
         let sun = Sun::new(self.light, DVec3::NEG_Z).unwrap();
-        let medium = Medium::new(self.sigma_s, self.sigma_a).unwrap();
-        PlaneParallel::new(sun, 1.0, Bottom::new(self.bottom, 0.0).unwrap(), medium, phase).unwrap()
+        let medium = Medium::new(self.sigma_s, self.sigma_a, phase.into()).unwrap();
+        PlaneParallel::new(sun, 1.0, Bottom::new(self.bottom, 0.0).unwrap(), medium).unwrap()
     }
 
     /// Radiance that comes to the camera from the whole slab along `ray`, by paths from the camera that look for the light
@@ -106,7 +106,7 @@ fn the_veil_is_within_its_stated_error_of_traced_light() {
     let ray = DVec3::new(0.0, -0.6, 0.8);
     for (slab, phase) in slabs() {
         let traced = slab.traced_veil(&phase, ray);
-        let closed = slab.closed_form(&phase).veil(ray, f64::INFINITY);
+        let closed = slab.closed_form(phase).veil(ray, f64::INFINITY);
         println!(
             "{}: veil traced {traced:.5}, closed form {:+.1} %",
             label(&slab),
@@ -115,7 +115,7 @@ fn the_veil_is_within_its_stated_error_of_traced_light() {
         assert!(near(closed, traced));
         // The comparison tells a medium three times as dense.
         let dense = Slab { sigma_s: 3.0 * slab.sigma_s, ..slab };
-        let wrong = dense.closed_form(&phase).veil(ray, f64::INFINITY);
+        let wrong = dense.closed_form(phase).veil(ray, f64::INFINITY);
         assert!(traced < 2e-4 || slab.sigma_s > 2.0 || !near(wrong, traced), "{}", label(&slab));
     }
 }
@@ -125,7 +125,7 @@ fn light_on_objects_is_within_its_stated_error_of_traced_light() {
     for (slab, phase) in slabs() {
         let traced = slab.traced_irradiance(&phase);
         let light = slab.light.normalize();
-        let closed = slab.closed_form(&phase).irradiance(1.0, DVec3::NEG_Z, light.z);
+        let closed = slab.closed_form(phase).irradiance(1.0, DVec3::NEG_Z, light.z);
         println!(
             "{}: irradiance traced {traced:.4}, closed form {:+.2} %",
             label(&slab),

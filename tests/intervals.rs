@@ -5,18 +5,20 @@ use narrowbeam::fit::forecast::{Plan, forecast};
 use narrowbeam::fit::noise::with_noise;
 use narrowbeam::fit::scenes::{SceneFit, fit_scenes};
 use narrowbeam::fit::{Intervals, NAMES, Parameters, Settings, Status, bootstrap, profile};
-use narrowbeam::scene::{MediumValues, Scene};
+use narrowbeam::medium::Medium;
+use narrowbeam::scene::Scene;
 use narrowbeam::spread::Model;
 use narrowbeam::study::calibration::{Told, cases};
 use narrowbeam::study::{Setting, Texture};
+use std::sync::LazyLock;
 
-const PLANE: Setting = Setting {
+static PLANE: LazyLock<Setting> = LazyLock::new(|| Setting {
     texture: Texture::Checker,
     side: 48,
     pixel_pitch: 0.03,
     z: 2.0,
-    medium: MediumValues::gaussian(0.7, 0.15, 0.004),
-};
+    medium: Medium::gaussian(0.7, 0.15, 0.004).unwrap(),
+});
 
 fn scene(plane: &Setting, noise: f64) -> Scene {
     plane.scene(with_noise(&plane.render(Model::SmallAngle).unwrap(), noise, 3), Some(noise)).unwrap()
@@ -75,7 +77,7 @@ fn all_intervals_agree_where_the_data_are_good() {
 #[test]
 fn so_they_do_where_the_noise_is_uneven() {
     const DRAWS: usize = 400;
-    let case = cases().into_iter().find(|case| case.told == Told::Variance).unwrap();
+    let case = cases().unwrap().into_iter().find(|case| case.told == Told::Variance).unwrap();
     let scene = case.scenes(3).unwrap().remove(0);
     let mut fit = fit(&scene);
     let [by_profile, by_bootstrap] = intervals(&scene, &mut fit, DRAWS);
@@ -94,14 +96,14 @@ fn so_they_do_where_the_noise_is_uneven() {
 #[test]
 fn a_profile_ends_at_bounds_and_leaves_open_what_is_open() {
     // No absorption: the interval of sigma_a ends at 0.
-    let clear = Setting { medium: MediumValues { sigma_a: 0.0, ..PLANE.medium }, ..PLANE };
+    let clear = Setting { medium: Medium::gaussian(0.7, 0.0, 0.004).unwrap(), ..*PLANE };
     let scene_of_clear = scene(&clear, 0.01);
     let mut fitted = fit(&scene_of_clear);
     let [by_profile, _] = intervals(&scene_of_clear, &mut fitted, 2);
     assert_eq!(by_profile[1].unwrap()[0], Some(0.0));
     assert!(by_profile[1].unwrap()[1].unwrap() > 0.0);
     // Next to no scattering: neither sigma_s nor B has a lower end, and the fit says that they are undetermined.
-    let thin = Setting { medium: MediumValues { sigma_s: 0.002, ..PLANE.medium }, ..PLANE };
+    let thin = Setting { medium: Medium::gaussian(0.002, 0.15, 0.004).unwrap(), ..*PLANE };
     let scene_of_thin = scene(&thin, 0.02);
     let mut fitted = fit(&scene_of_thin);
     assert_eq!(fitted.channels[0].1.uncertainty.status(2), Status::Undetermined);
@@ -149,7 +151,7 @@ const NORMAL: f64 = 4.0;
 #[test]
 fn error_bars_hold_the_truth_as_often_as_they_say() {
     const DRAWS: usize = 150;
-    for case in cases() {
+    for case in cases().unwrap() {
         for found in case.run(DRAWS, 5, &|| ()).unwrap() {
             let (share, n) = (found.share(), DRAWS as f64);
             println!("{:35} {:8} {share:.3} rms {:.3}", case.name, found.name(), found.rms);
@@ -163,7 +165,7 @@ fn error_bars_hold_the_truth_as_often_as_they_say() {
 #[test]
 fn error_bars_that_are_too_small_are_noticed() {
     // Noise stated as half of what it is: the intervals then hold the truth in 67 of 100 cases.
-    let case = cases().remove(0);
+    let case = cases().unwrap().remove(0);
     let draws = 150;
     let honest = case.run(draws, 5, &|| ()).unwrap();
     let fits: Vec<_> = (0..draws as u64)
@@ -175,7 +177,7 @@ fn error_bars_that_are_too_small_are_noticed() {
         .collect();
     let inside = fits.iter().filter(|fit| {
         let (_, fit) = &fit.channels[0];
-        let off = (fit.parameters.values()[0] / case.planes[0].medium.sigma_s).ln();
+        let off = (fit.parameters.values()[0] / case.planes[0].medium.sigma_s()).ln();
         off.abs() < 1.96 * fit.uncertainty.std_error(0).unwrap()
     });
     let share = inside.count() as f64 / draws as f64;

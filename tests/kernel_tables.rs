@@ -8,7 +8,7 @@
 use narrowbeam::compare::worst_encircled_error;
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Gaussian, b_of_spread_angle};
-use narrowbeam::spread::{Model, second_moments};
+use narrowbeam::spread::{Model, SecondMoments, second_moments};
 use narrowbeam::trace::{RadialConfig, RadialProfile, log_spaced, trace_radial};
 
 const SIGMA_S: f64 = 0.95;
@@ -23,8 +23,8 @@ const NORMAL: f64 = 3.5;
 /// Kolmogorov's statistic sup|F_n - F| √n, exceeded with a chance of .001; among 30 numbers, of 3 %.
 const KOLMOGOROV: f64 = 1.95;
 
-fn medium() -> Medium {
-    Medium::new(SIGMA_S, SIGMA_A).unwrap()
+fn medium(degrees: f64) -> Medium {
+    Medium::new(SIGMA_S, SIGMA_A, phase(degrees).into()).unwrap()
 }
 
 fn phase(degrees: f64) -> Gaussian {
@@ -36,8 +36,9 @@ fn phase(degrees: f64) -> Gaussian {
 fn traced(degrees: f64, depths: &[f64]) -> Vec<RadialProfile> {
     let width = phase(degrees).b().sqrt();
     let edges = log_spaced(1e-3 * width * depths[0], 1e2 * depths[depths.len() - 1], 900);
-    let config = RadialConfig { medium: medium(), depths: depths.to_vec(), edges, paths: PATHS, seed: 20 };
-    trace_radial(&config, &phase(degrees), &|_| ()).unwrap()
+    let config =
+        RadialConfig { medium: medium(degrees), depths: depths.to_vec(), edges, paths: PATHS, seed: 20 };
+    trace_radial(&config, &|_| ()).unwrap()
 }
 
 /// A number of a reference table and half a unit of its last digit.
@@ -74,7 +75,7 @@ fn traced_second_moments_are_those_of_the_reference_table() {
         let depths: Vec<f64> = rows.iter().map(|r| r.0).collect();
         for (profile, &(z, by_printed, by_exact)) in traced(degrees, &depths).iter().zip(rows) {
             let moment = profile.second_moment();
-            let (exact, as_printed) = second_moments(&medium(), phase(degrees).b(), z);
+            let SecondMoments { exact, printed: as_printed } = second_moments(&medium(degrees), z).unwrap();
             // One path's contribution scatters alike in both tracers, so the reference's noise is ours for the number
             // of its paths; the two are independent.
             let paths = PATHS as f64 / REFERENCE_PATHS;
@@ -115,10 +116,10 @@ fn worst_errors_of_the_encircled_energy_are_those_of_the_reference_table() {
     for (degrees, rows) in table {
         let depths: Vec<f64> = rows.iter().map(|r| r.0).collect();
         for (profile, (z, references)) in traced(degrees, &depths).iter().zip(rows) {
-            let phase = phase(degrees);
+            let medium = medium(degrees);
             let (mut cells, mut std_error) = (String::new(), 0.0_f64);
             for (model, reference) in MODELS.into_iter().zip(references) {
-                let kernel = model.kernel(&medium(), &phase, *z).unwrap();
+                let kernel = model.kernel(&medium, *z).unwrap();
                 let worst = worst_encircled_error(profile, &*kernel).unwrap();
                 // A largest value moves by no more than the largest change anywhere. E_traced/S is an empirical
                 // distribution of the paths that arrive scattered, off by Kolmogorov's statistic; E_model/S is off by

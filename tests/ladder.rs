@@ -44,7 +44,7 @@ impl Regime {
         let [sigma_s, sigma_a, b] = self.truth();
         let phase = Gaussian::new(b).unwrap();
         let optics =
-            Optics { model: Model::WideAngle, medium: Medium::new(sigma_s, sigma_a).unwrap(), phase: &phase };
+            Optics { model: Model::WideAngle, medium: Medium::new(sigma_s, sigma_a, phase.into()).unwrap() };
         let object = texture(SIDE, SIDE);
         let target = Target {
             radiance: &object,

@@ -8,7 +8,7 @@ use narrowbeam::filter::{Filter, Optics, Target};
 use narrowbeam::geometry::{Camera, Field, Geometry};
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
-use narrowbeam::phase::{Gaussian, b_of_spread_angle};
+use narrowbeam::phase::b_of_spread_angle;
 use narrowbeam::scene::{Purpose, Scene, read_truth};
 use narrowbeam::spread::Model;
 use narrowbeam::trace::{ImageConfig, TracedImage, trace_image};
@@ -40,13 +40,12 @@ struct Case {
     geometry: Geometry,
     radiance: Image,
     medium: Medium,
-    phase: Gaussian,
 }
 
 impl Case {
     fn new(geometry: Geometry, radiance: Image, sigma_a: f64) -> Self {
-        let phase = Gaussian::new(b_of_spread_angle(6.0_f64.to_radians())).unwrap();
-        Self { geometry, radiance, medium: Medium::new(0.8, sigma_a).unwrap(), phase }
+        let b = b_of_spread_angle(6.0_f64.to_radians());
+        Self { geometry, radiance, medium: Medium::gaussian(0.8, sigma_a, b).unwrap() }
     }
 
     fn render(&self, filter: Filter) -> Image {
@@ -59,7 +58,7 @@ impl Case {
             view: View::whole(SIZE.0, SIZE.1),
             relief: relief.as_ref(),
         };
-        let optics = Optics { model: Model::SmallAngle, medium: self.medium, phase: &self.phase };
+        let optics = Optics { model: Model::SmallAngle, medium: self.medium };
         CpuFilter::new(target, &optics, 1.0).unwrap().render(&optics).unwrap()
     }
 
@@ -74,7 +73,7 @@ impl Case {
             samples,
             seed: 5,
         };
-        trace_image(&config, &self.phase, &|_| ()).unwrap()
+        trace_image(&config, &|_| ()).unwrap()
     }
 }
 
@@ -159,8 +158,7 @@ fn the_comparison_rejects_another_field_of_view() {
 fn the_stage_looks_as_traced() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("datasets/mitsuba-stage");
     let scene = Scene::read(&folder.join("scene.toml"), Purpose::Render).unwrap();
-    let [sigma_s, sigma_a, b] = read_truth(&folder.join("truth.toml")).unwrap()[0].values();
-    let (medium, phase) = (Medium::new(sigma_s, sigma_a).unwrap(), Gaussian::new(b).unwrap());
+    let medium = read_truth(&folder.join("truth.toml")).unwrap()[0];
     let radiance = &scene.object[0].image;
     let config = ImageConfig {
         geometry: &scene.geometry,
@@ -172,7 +170,7 @@ fn the_stage_looks_as_traced() {
         samples: 256,
         seed: 3,
     };
-    let traced = trace_image(&config, &phase, &|_| ()).unwrap();
+    let traced = trace_image(&config, &|_| ()).unwrap();
     let [plain, composite] = [Filter::Eq29, Filter::Composite].map(|filter| {
         let relief = filter.relief(&scene.geometry);
         let target = Target {
@@ -183,7 +181,7 @@ fn the_stage_looks_as_traced() {
             view: scene.view,
             relief: relief.as_ref(),
         };
-        let optics = Optics { model: Model::SmallAngle, medium, phase: &phase };
+        let optics = Optics { model: Model::SmallAngle, medium };
         let image = CpuFilter::new(target, &optics, 1.0).unwrap().render(&optics).unwrap();
         compare(&image, &traced, 0..scene.view.pixels())
     });

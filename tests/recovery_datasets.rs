@@ -37,7 +37,7 @@ fn fit(scene: &Path, model: Model, filter: Filter) -> SceneFit {
 }
 
 fn truth(folder: &Path) -> [f64; 3] {
-    let [sigma_s, sigma_a, b] = read_truth(&folder.join("truth.toml")).unwrap()[0].values();
+    let [sigma_s, sigma_a, b] = read_truth(&folder.join("truth.toml")).unwrap()[0].parameters();
     [sigma_s, sigma_a, b]
 }
 

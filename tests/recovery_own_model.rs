@@ -24,7 +24,7 @@ struct Made {
 fn made(geometry: Geometry, model: Model, [sigma_s, sigma_a, b]: [f64; 3]) -> Made {
     let object = texture(geometry.width, geometry.height);
     let phase = Gaussian::new(b).unwrap();
-    let optics = Optics { model, medium: Medium::new(sigma_s, sigma_a).unwrap(), phase: &phase };
+    let optics = Optics { model, medium: Medium::new(sigma_s, sigma_a, phase.into()).unwrap() };
     let target = Target {
         radiance: &object,
         behind: &[],

@@ -32,10 +32,9 @@ fn log_simpson(a: f64, b: f64, n: usize, f: impl Fn(f64) -> f64) -> f64 {
 
 fn for_each_kernel(mut check: impl FnMut(Model, &dyn SpreadKernel, (f64, f64, f64, f64))) {
     for (sigma_s, sigma_a, b, z) in MEDIA {
-        let medium = Medium::new(sigma_s, sigma_a).unwrap();
-        let phase = Gaussian::new(b).unwrap();
+        let medium = Medium::gaussian(sigma_s, sigma_a, b).unwrap();
         for model in Model::ALL {
-            check(model, &*model.kernel(&medium, &phase, z).unwrap(), (sigma_s, sigma_a, b, z));
+            check(model, &*model.kernel(&medium, z).unwrap(), (sigma_s, sigma_a, b, z));
         }
     }
 }
@@ -80,9 +79,9 @@ fn psf_and_transfer_function_are_a_transform_pair() {
 #[test]
 fn a_wrong_psf_is_not_a_transform_pair() {
     let phase = Gaussian::new(0.0049).unwrap();
-    let medium = Medium::new(0.95, 0.05).unwrap();
-    let kernel = Model::SmallAngle.kernel(&medium, &phase, 2.0).unwrap();
-    let other = Model::NarrowBeam.kernel(&medium, &phase, 2.0).unwrap();
+    let medium = Medium::new(0.95, 0.05, phase.into()).unwrap();
+    let kernel = Model::SmallAngle.kernel(&medium, 2.0).unwrap();
+    let other = Model::NarrowBeam.kernel(&medium, 2.0).unwrap();
     let k = 1.0 / kernel.width();
     let start = 1e-4 * kernel.width();
     let sum = log_simpson(start, 15.0 * kernel.width(), 3000, |r| 2.0 * PI * r * other.psf(r) * j0(k * r));
@@ -94,7 +93,7 @@ fn transfer_function_derivatives_match_central_differences() {
     for (sigma_s, sigma_a, b, z) in MEDIA {
         let at = |p: [f64; 3], model: Model, k: f64| {
             let phase = Gaussian::new(p[2]).unwrap();
-            model.kernel(&Medium::new(p[0], p[1]).unwrap(), &phase, z).unwrap().mtf(k)
+            model.kernel(&Medium::new(p[0], p[1], phase.into()).unwrap(), z).unwrap().mtf(k)
         };
         // sigma_a is moved off its bound so that the difference can be central.
         let p = [sigma_s, sigma_a + 0.01, b];
@@ -124,13 +123,12 @@ fn transfer_function_derivatives_match_central_differences() {
 #[test]
 fn small_angle_has_the_exact_second_moment() {
     for (sigma_s, sigma_a, b, z) in MEDIA {
-        let medium = Medium::new(sigma_s, sigma_a).unwrap();
-        let phase = Gaussian::new(b).unwrap();
-        let kernel = Model::SmallAngle.kernel(&medium, &phase, z).unwrap();
+        let medium = Medium::gaussian(sigma_s, sigma_a, b).unwrap();
+        let kernel = Model::SmallAngle.kernel(&medium, z).unwrap();
         // M(k) = M(0) - R k²/4 + O(k⁴).
         let k = 1e-3 / (z * b.sqrt());
         let moment = 4.0 * (kernel.mtf(0.0).value - kernel.mtf(k).value) / (k * k);
-        let exact = second_moments(&medium, b, z).0;
+        let exact = second_moments(&medium, z).unwrap().exact;
         assert!((moment / exact - 1.0).abs() < 1e-4, "{moment} {exact}");
         let formula = 4.0 / 3.0 * sigma_s * b * z.powi(3) * (-sigma_a * z).exp();
         assert!((exact / formula - 1.0).abs() < 1e-12);
@@ -155,11 +153,10 @@ fn models_of_small_angles_but_single_scatter_keep_the_scattered_total() {
 
 #[test]
 fn all_models_agree_with_small_angle_where_little_is_scattered() {
-    let medium = Medium::new(1e-3, 0.2).unwrap();
-    let phase = Gaussian::new(0.005).unwrap();
-    let truth = Model::SmallAngle.kernel(&medium, &phase, 1.0).unwrap();
+    let medium = Medium::gaussian(1e-3, 0.2, 0.005).unwrap();
+    let truth = Model::SmallAngle.kernel(&medium, 1.0).unwrap();
     for model in [Model::SingleScatter, Model::NarrowBeam, Model::NarrowBeamPrinted] {
-        let kernel = model.kernel(&medium, &phase, 1.0).unwrap();
+        let kernel = model.kernel(&medium, 1.0).unwrap();
         for x in [0.1, 1.0, 5.0] {
             let k = x / truth.width();
             let (a, b) = (kernel.scattered_transfer(k).value, truth.scattered_transfer(k).value);
@@ -170,17 +167,17 @@ fn all_models_agree_with_small_angle_where_little_is_scattered() {
 }
 
 #[test]
-fn models_of_the_gaussian_lobe_refuse_henyey_greenstein_by_name() {
-    let medium = Medium::new(1.0, 0.0).unwrap();
+fn models_of_the_gaussian_phase_function_refuse_henyey_greenstein_by_name() {
     let phase = HenyeyGreenstein::new(0.95).unwrap();
+    let medium = Medium::new(1.0, 0.0, phase.into()).unwrap();
     for model in [Model::Gaussian, Model::NarrowBeam, Model::NarrowBeamPrinted] {
-        let error = model.kernel(&medium, &phase, 1.0).err().expect("refused");
+        let error = model.kernel(&medium, 1.0).err().expect("refused");
         assert!(matches!(error, Error::NoSecondMoment { .. }));
         let message = error.to_string();
         assert!(message.contains(model.name()) && message.contains("Henyey-Greenstein"), "{message}");
     }
     for model in [Model::SingleScatter, Model::SmallAngle] {
-        let kernel = model.kernel(&medium, &phase, 1.0).unwrap();
+        let kernel = model.kernel(&medium, 1.0).unwrap();
         let w = phase.planar_width();
         let ring = log_simpson(1e-5 * w, w, 800, |r| 2.0 * PI * r * kernel.psf(r));
         let want = kernel.encircled_energy(w) - kernel.encircled_energy(1e-5 * w);
@@ -199,9 +196,9 @@ fn models_are_found_by_name_and_others_refused() {
 #[test]
 fn an_opaque_medium_gives_finite_numbers() {
     let phase = Gaussian::new(0.004).unwrap();
-    let medium = Medium::new(900.0, 0.0).unwrap();
+    let medium = Medium::new(900.0, 0.0, phase.into()).unwrap();
     for model in Model::ALL.into_iter().filter(|&m| m != Model::WideAngle) {
-        let kernel = model.kernel(&medium, &phase, 1.0).unwrap();
+        let kernel = model.kernel(&medium, 1.0).unwrap();
         for k in [0.0, 1.0, 1e3] {
             let m = kernel.mtf(k);
             assert!(m.value.is_finite() && m.gradient.iter().all(|g| g.is_finite()), "{model} {k}: {m:?}");
@@ -213,20 +210,23 @@ fn an_opaque_medium_gives_finite_numbers() {
 fn wide_angle_refuses_what_its_table_does_not_hold() {
     let refusal = |sigma_s: f64, sigma_a: f64, b: f64| {
         let phase = Gaussian::new(b).unwrap();
-        let kernel = Model::WideAngle.kernel(&Medium::new(sigma_s, sigma_a).unwrap(), &phase, 1.0);
+        let kernel = Model::WideAngle.kernel(&Medium::new(sigma_s, sigma_a, phase.into()).unwrap(), 1.0);
         kernel.err().map(|e| e.to_string()).unwrap_or_default()
     };
     let range = Model::WideAngle.range(Family::Gaussian).unwrap();
-    let (tau, absorption, b) = (range.tau, range.absorption, range.shape[1]);
+    let (tau, absorption, b) = (range.tau, range.absorption, range.phase[1]);
     assert_eq!(refusal(tau, absorption, b), "");
     assert!(refusal(1.01 * tau, 0.0, b).contains("sigma_s z"));
     assert!(refusal(tau, 1.01 * absorption, b).contains("sigma_a z"));
     assert!(refusal(tau, 0.0, 1.03 * b).contains("spread angle"));
     let hg = |g: f64| {
         let phase = HenyeyGreenstein::new(g).unwrap();
-        Model::WideAngle.kernel(&Medium::new(1.0, 0.0).unwrap(), &phase, 1.0).err().map(|e| e.to_string())
+        Model::WideAngle
+            .kernel(&Medium::new(1.0, 0.0, phase.into()).unwrap(), 1.0)
+            .err()
+            .map(|e| e.to_string())
     };
-    let widest = Model::WideAngle.range(Family::HenyeyGreenstein).unwrap().shape[0];
+    let widest = Model::WideAngle.range(Family::HenyeyGreenstein).unwrap().phase[0];
     assert_eq!((hg(widest), hg(0.9999)), (None, None));
     assert!(hg(0.99 * widest).unwrap().starts_with("g = "));
 }
@@ -237,9 +237,8 @@ fn wide_angle_is_small_angle_theory_where_angles_are_small() {
     // (tests/wide_angle.rs).
     for (tau, degrees) in [(2.0, 0.1), (1e-7, 0.5), (4.0, 1.0), (0.5, 3.0)] {
         let phase = Gaussian::new(b_of_spread_angle(f64::to_radians(degrees))).unwrap();
-        let medium = Medium::new(tau, 0.3).unwrap();
-        let [wide, small] =
-            [Model::WideAngle, Model::SmallAngle].map(|m| m.kernel(&medium, &phase, 1.0).unwrap());
+        let medium = Medium::new(tau, 0.3, phase.into()).unwrap();
+        let [wide, small] = [Model::WideAngle, Model::SmallAngle].map(|m| m.kernel(&medium, 1.0).unwrap());
         for x in [0.0, 0.1, 0.5, 1.0, 3.0, 10.0] {
             let k = x / phase.b().sqrt();
             let (a, b) = (wide.scattered_transfer(k).value, small.scattered_transfer(k).value);
@@ -251,11 +250,12 @@ fn wide_angle_is_small_angle_theory_where_angles_are_small() {
 #[test]
 fn the_mean_slope_is_the_gradient_of_the_joint_characteristic_function() {
     // ln of it is -sigma_t z + sigma_s ∫_0^z Phat(|k u + q|) du, here for q along k, by the trapezium rule.
-    let (medium, z) = (Medium::new(1.1, 0.2).unwrap(), 1.5);
-    let gaussian = Gaussian::new(0.006).unwrap();
-    let hg = HenyeyGreenstein::new(0.93).unwrap();
-    for phase in [&gaussian as &dyn PhaseFunction, &hg] {
-        let kernel = Model::SmallAngle.kernel(&medium, phase, z).unwrap();
+    let z = 1.5;
+    let gaussian = Family::Gaussian.phase(0.006).unwrap();
+    let hg = Family::HenyeyGreenstein.phase(0.93).unwrap();
+    for phase in [gaussian, hg] {
+        let medium = Medium::new(1.1, 0.2, phase).unwrap();
+        let kernel = Model::SmallAngle.kernel(&medium, z).unwrap();
         for k in [0.3, 2.0, 9.0, 40.0] {
             let joint = |q: f64| {
                 let panels = 200_000;
@@ -291,7 +291,7 @@ fn derivatives_of_the_mean_slope_match_central_differences() {
         for k in [0.3, 2.0, 9.0, 40.0] {
             let at = |p: [f64; 3]| {
                 let phase = Gaussian::new(p[2]).unwrap();
-                model.kernel(&Medium::new(p[0], p[1]).unwrap(), &phase, z).unwrap().mean_slope(k, 0.4)
+                model.kernel(&Medium::new(p[0], p[1], phase.into()).unwrap(), z).unwrap().mean_slope(k, 0.4)
             };
             let p = [sigma_s, sigma_a, b];
             for i in 0..3 {

@@ -3,8 +3,8 @@
 #[path = "common/program.rs"]
 mod program;
 
+use narrowbeam::medium::Medium;
 use narrowbeam::phase::b_of_spread_angle;
-use narrowbeam::scene::MediumValues;
 use narrowbeam::spread::Model;
 use narrowbeam::study::stability::{Found, Method, Outcome, Tally, Trial, Verdict};
 use narrowbeam::study::{Setting, Texture};
@@ -40,7 +40,7 @@ fn what_is_said_is_not_silent() {
 
 #[test]
 fn a_tally_counts_silent_failures_and_needless_warnings() {
-    let medium = MediumValues::gaussian(1.0, 0.1, b_of_spread_angle(0.1));
+    let medium = Medium::gaussian(1.0, 0.1, b_of_spread_angle(0.1)).unwrap();
     let setting = Setting { texture: Texture::Checker, side: 8, pixel_pitch: 0.1, z: 1.0, medium };
     let trial = |sweep, outcome| Trial {
         sweep,

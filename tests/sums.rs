@@ -48,7 +48,7 @@ fn the_images_of_the_basis_add_up_to_renders() {
         let target =
             Target { radiance: &object, behind: &[], geometry: &geometry, border, view, relief: None };
         let basis = Basis::new(target).unwrap();
-        let optics = Optics { model, medium: Medium::new(tau / z, 0.1).unwrap(), phase: &phase };
+        let optics = Optics { model, medium: Medium::new(tau / z, 0.1, phase.into()).unwrap() };
         let filter = CpuFilter::new(target, &optics, 1.0).unwrap();
         let render = filter.render_with_gradient(&optics).unwrap();
         let [s, a, d] = render.gradient.unwrap();
@@ -101,7 +101,7 @@ impl Made {
     fn new(geometry: Geometry, model: Model, border: Border, view: View, seed: u64) -> Self {
         let object = texture(geometry.width, geometry.height);
         let phase = Gaussian::new(TRUTH[2]).unwrap();
-        let optics = Optics { model, medium: Medium::new(TRUTH[0], TRUTH[1]).unwrap(), phase: &phase };
+        let optics = Optics { model, medium: Medium::new(TRUTH[0], TRUTH[1], phase.into()).unwrap() };
         let mut made = Self { object, geometry, border, view, observed: Image::filled(1, 1, 0.0) };
         let clean = CpuFilter::new(made.target(), &optics, 1.0).unwrap().render(&optics).unwrap();
         made.observed = with_noise(&clean, NOISE, seed);

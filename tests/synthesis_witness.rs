@@ -3,13 +3,14 @@
 
 use narrowbeam::filter::{Backend, Filter};
 use narrowbeam::io::exr::ExrFile;
-use narrowbeam::scene::{MediumValues, PartialMedium, Purpose, Scene};
+use narrowbeam::medium::Medium;
+use narrowbeam::scene::{PartialMedium, Purpose, Scene};
 use narrowbeam::spread::Model;
 use narrowbeam::synthesis::synthesize;
 use std::path::Path;
 
 /// Mean and root mean square error of each channel, over the mean of the traced light, the noise taken off.
-fn errors(scene: &Scene, media: &[MediumValues], witness: &ExrFile) -> Vec<[f64; 2]> {
+fn errors(scene: &Scene, media: &[Medium], witness: &ExrFile) -> Vec<[f64; 2]> {
     let made = synthesize(scene, media, Model::SmallAngle, Filter::Eq29, Backend::Cpu).unwrap();
     let error = |channel: &narrowbeam::image::Channel| {
         let traced = |part: &str| witness.named(&format!("{part}.{}", channel.name)).unwrap().image;
@@ -35,7 +36,7 @@ fn a_synthesized_image_has_the_light_that_mitsuba_traces() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/witness/juice");
     let scene = Scene::read(&folder.join("scene.toml"), Purpose::Synthesize).unwrap();
     let witness = ExrFile::read(&folder.join("witness.exr")).unwrap();
-    let media = scene.medium_values(PartialMedium::default()).unwrap();
+    let media = scene.media(PartialMedium::default()).unwrap();
     // As measured: docs/synthesis.md has where this comes from.
     let near = |[mean, rms]: [f64; 2]| mean.abs() < 0.04 && rms < 0.2;
     for error in errors(&scene, &media, &witness) {
@@ -43,9 +44,9 @@ fn a_synthesized_image_has_the_light_that_mitsuba_traces() {
         assert!(near(error));
     }
     // The comparison tells a tenth more juice.
-    let wrong: Vec<MediumValues> = media
+    let wrong: Vec<Medium> = media
         .iter()
-        .map(|m| MediumValues { sigma_s: 1.1 * m.sigma_s, sigma_a: 1.1 * m.sigma_a, ..*m })
+        .map(|m| Medium::new(1.1 * m.sigma_s(), 1.1 * m.sigma_a(), *m.phase()).unwrap())
         .collect();
     for error in errors(&scene, &wrong, &witness) {
         println!("a tenth more: mean {:+.1} %, rms {:.1} %", 100.0 * error[0], 100.0 * error[1]);

@@ -15,7 +15,7 @@ use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Family, Gaussian, HenyeyGreenstein, PhaseFunction, b_of_spread_angle};
 use narrowbeam::scene::{FitOptions, Purpose, Scene, read_truth};
 use narrowbeam::spread::Model;
-use narrowbeam::trace::{BATCHES, Hits, ImageConfig, Likelihood, Reweighting, Turbid, trace_image};
+use narrowbeam::trace::{BATCHES, Hits, ImageConfig, Likelihood, Reweighting, trace_image};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -30,15 +30,15 @@ struct Setting {
 }
 
 impl Setting {
-    fn config(&self, medium: Medium, samples: u32, seed: u64) -> ImageConfig<'_> {
+    fn config<P>(&self, medium: Medium<P>, samples: u32, seed: u64) -> ImageConfig<'_, P> {
         let (geometry, radiance) = (&self.geometry, &self.object);
         let view = View::whole(radiance.width, radiance.height);
         ImageConfig { geometry, radiance, behind: &[], border: Border::Mirror, view, medium, samples, seed }
     }
 
-    fn traced(&self, [sigma_s, sigma_a]: [f64; 2], phase: &impl PhaseFunction, samples: u32) -> Image {
-        let config = self.config(Medium::new(sigma_s, sigma_a).unwrap(), samples, 1001);
-        trace_image(&config, phase, &|_| ()).unwrap().mean
+    fn traced(&self, [sigma_s, sigma_a]: [f64; 2], phase: impl PhaseFunction + Copy, samples: u32) -> Image {
+        let config = self.config(Medium::new(sigma_s, sigma_a, phase).unwrap(), samples, 1001);
+        trace_image(&config, &|_| ()).unwrap().mean
     }
 
     fn fit(&self, observed: &Image, family: Family, shape: Option<f64>, paths: u64) -> ChannelFit {
@@ -79,15 +79,14 @@ fn reweighted_hits_are_the_image_of_the_neighbouring_medium() {
 }
 
 fn check_neighbour<P: Likelihood>(setting: &Setting, from: P, to: P) {
-    let (here, there) = (Medium::new(0.8, 0.1).unwrap(), Medium::new(1.0, 0.3).unwrap());
-    let hits = Hits::trace(&setting.config(here, 256, 5), &from, &|_| ()).unwrap();
-    let medium = Turbid { sigma_s: 1.0, sigma_a: 0.3, phase: to };
+    let (here, medium) = (Medium::new(0.8, 0.1, from).unwrap(), Medium::new(1.0, 0.3, to).unwrap());
+    let hits = Hits::trace(&setting.config(here, 256, 5), &|_| ()).unwrap();
     let all = hits.image(&medium, 0..BATCHES).unwrap();
     let batches: Vec<Image> =
         (0..BATCHES).map(|b| hits.image(&medium, b..b + 1).unwrap().into_iter().next().unwrap()).collect();
     let n = BATCHES as f64;
     let own = batches.iter().map(|b| excess(b, &all[0], 1.0)).sum::<f64>() / (n * (n - 1.0));
-    let fresh = trace_image(&setting.config(there, 256, 6), &to, &|_| ()).unwrap();
+    let fresh = trace_image(&setting.config(medium, 256, 6), &|_| ()).unwrap();
     let ratio = excess(&all[0], &fresh.mean, own + fresh.variance.mean());
     let stale = hits.image(hits.medium(), 0..BATCHES).unwrap();
     let unweighted = excess(&stale[0], &fresh.mean, own + fresh.variance.mean());
@@ -106,10 +105,10 @@ fn derivatives_of_hits_are_those_of_their_differences() {
 }
 
 fn check_derivatives<P: Likelihood>(setting: &Setting, from: P, shape: f64) {
-    let medium = Medium::new(0.8, 0.1).unwrap();
-    let hits = Hits::trace(&setting.config(medium, 64, 5), &from, &|_| ()).unwrap();
+    let medium = Medium::new(0.8, 0.1, from).unwrap();
+    let hits = Hits::trace(&setting.config(medium, 64, 5), &|_| ()).unwrap();
     let at = |p: [f64; 3]| {
-        let medium = Turbid { sigma_s: p[0], sigma_a: p[1], phase: P::of_shape(p[2]).unwrap() };
+        let medium = Medium::new(p[0], p[1], P::of_parameter(p[2]).unwrap()).unwrap();
         hits.image(&medium, 0..BATCHES).unwrap()
     };
     let p = [0.9, 0.15, shape];
@@ -143,11 +142,8 @@ fn check_likelihood<P: Likelihood>(from: P, to: P, bound: f64) {
     let angles = [0.03_f32, 0.1, 0.3, 0.8, 2.5];
     let (record, mut memory) = (from.recorder(), P::Memory::default());
     angles.iter().for_each(|&angle| record(angle, &mut memory));
-    let [old, new] = [(2.0, 0.1, from), (2.5, 0.3, to)].map(|(sigma_s, sigma_a, phase)| Turbid {
-        sigma_s,
-        sigma_a,
-        phase,
-    });
+    let [old, new] = [(2.0, 0.1, from), (2.5, 0.3, to)]
+        .map(|(sigma_s, sigma_a, phase)| Medium::new(sigma_s, sigma_a, phase).unwrap());
     let found = Reweighting::new(&old, &new).of(5, 1.5, memory.as_ref()).ratio.ln();
     let turn = |&angle: &f32| (to.eval(f64::from(angle).cos()) / from.eval(f64::from(angle).cos())).ln();
     let turns = angles.iter().map(turn).sum::<f64>();
@@ -163,7 +159,7 @@ fn dataset(name: &str) -> PathBuf {
 #[test]
 fn mitsubas_medium_comes_back_at_45_degrees() {
     let scene = Scene::read(&dataset("wide-45/scene.toml"), Purpose::Fit).unwrap();
-    let truth = read_truth(&dataset("wide-45/truth.toml")).unwrap()[0].values();
+    let truth = read_truth(&dataset("wide-45/truth.toml")).unwrap()[0].parameters();
     let fit = || {
         let tracing = Tracing::new(Some(1 << 18), 3);
         let settings = Settings { model: Model::Traced, tracing, ..Settings::default() };
@@ -178,7 +174,7 @@ fn mitsubas_medium_comes_back_at_45_degrees() {
 #[test]
 fn mitsubas_medium_comes_back_behind_edges() {
     let mut scene = Scene::read(&dataset("mitsuba-planes/layers.toml"), Purpose::Fit).unwrap();
-    let truth = read_truth(&dataset("mitsuba-planes/truth.toml")).unwrap()[0].values();
+    let truth = read_truth(&dataset("mitsuba-planes/truth.toml")).unwrap()[0].parameters();
     // The middle of the view, edges and all.
     let whole = scene.view;
     let part = View { x: 80, y: 80, width: 96, height: 96 };
@@ -200,7 +196,7 @@ fn henyey_greensteins_lobe_comes_back_from_a_plane_and_from_a_depth_map() {
         let setting = Setting { object: object(48), geometry };
         let truth = [1.2, 0.1, 0.85];
         let phase = HenyeyGreenstein::new(truth[2]).unwrap();
-        let observed = setting.traced([truth[0], truth[1]], &phase, 1024);
+        let observed = setting.traced([truth[0], truth[1]], phase, 1024);
         let fit = setting.fit(&observed, Family::HenyeyGreenstein, None, paths);
         assert_recovered(name, &fit, truth);
     }

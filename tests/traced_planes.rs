@@ -15,7 +15,7 @@ use narrowbeam::phase::{Gaussian, b_of_spread_angle};
 use narrowbeam::relief::Relief;
 use narrowbeam::scene::{FitOptions, Gain};
 use narrowbeam::spread::Model;
-use narrowbeam::trace::{BATCHES, Histories, ImageConfig, Scattered, Turbid, trace_histories, trace_image};
+use narrowbeam::trace::{BATCHES, Histories, ImageConfig, Scattered, trace_histories, trace_image};
 
 /// A checkerboard of unequal cells.
 fn checkerboard(side: usize) -> Image {
@@ -54,13 +54,13 @@ impl Views {
         seed: u64,
     ) -> Self {
         let b = b_of_spread_angle(degrees.to_radians());
-        let (medium, phase) = (Medium::new(sigma_s, sigma_a).unwrap(), Gaussian::new(b).unwrap());
+        let medium = Medium::new(sigma_s, sigma_a, Gaussian::new(b).unwrap()).unwrap();
         let seen = |(i, geometry): (usize, &Geometry)| {
             let view = View::whole(object.width, object.height);
             let (border, seed) = (Border::Mirror, seed + i as u64);
             let (radiance, behind, samples) = (&object, &[][..], 1024);
             let config = ImageConfig { geometry, radiance, behind, border, view, medium, samples, seed };
-            trace_image(&config, &phase, &|_| ()).unwrap().mean
+            trace_image(&config, &|_| ()).unwrap().mean
         };
         let observed = geometries.iter().enumerate().map(seen).collect();
         let reliefs = geometries.iter().map(|g| Filter::Auto.relief(g)).collect();
@@ -106,14 +106,15 @@ fn a_plane_is_blurred_by_the_kernel_of_its_paths() {
     let (border, view) = (Border::Mirror, View::whole(side, side));
     let target = Target { radiance: &object, behind: &[], geometry: &geometry, border, view, relief: None };
     let phase = Gaussian::new(b_of_spread_angle(25_f64.to_radians())).unwrap();
-    let medium = Medium::new(5.0, 0.2).unwrap();
-    let optics = Optics { model: Model::Traced, medium, phase: &phase };
+    let medium = Medium::new(5.0, 0.2, phase.into()).unwrap();
+    let optics = Optics { model: Model::Traced, medium };
     let image = render_traced(target, &optics, Tracing::new(Some(paths), 5)).unwrap();
     let cosine = |x: usize| (w * (x as f64 + 0.5)).cos();
     let found = (0..side).map(|x| f64::from(image.at(x, 0)) * cosine(x)).sum::<f64>() * 2.0 / side as f64;
-    let (batches, turbid) = (BATCHES as u64, Turbid { sigma_s: 5.0, sigma_a: 0.2, phase });
-    let light = (0..batches)
-        .map(|i| trace_histories(turbid, Scattered::Once, paths / batches, 5 * batches + i).unwrap());
+    let batches = BATCHES as u64;
+    let light = (0..batches).map(|i| {
+        trace_histories(medium.with_phase(phase), Scattered::Once, paths / batches, 5 * batches + i).unwrap()
+    });
     let j0 = |h: Histories<Gaussian>| {
         h.weight * h.paths.iter().map(|p| libm::j0(w / pitch * f64::from(p.radius))).sum::<f64>()
     };

@@ -12,7 +12,7 @@ use narrowbeam::geometry::Geometry;
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Gaussian, b_of_spread_angle};
-use narrowbeam::trace::{BATCHES, Hits, ImageConfig, Turbid};
+use narrowbeam::trace::{BATCHES, Hits, ImageConfig};
 use std::time::Instant;
 
 /// Renders of each kind, and how many make what they are compared with.
@@ -24,7 +24,7 @@ const SAMPLES: u32 = 64;
 struct Setting {
     object: Image,
     geometry: Geometry,
-    medium: Turbid<Gaussian>,
+    medium: Medium<Gaussian>,
 }
 
 impl Setting {
@@ -37,18 +37,17 @@ impl Setting {
     }
 
     fn hits(&self, view: View, seed: u64) -> Hits<Gaussian> {
-        let Turbid { sigma_s, sigma_a, phase } = self.medium;
         let config = ImageConfig {
             geometry: &self.geometry,
             radiance: &self.object,
             behind: &[],
             border: Border::Mirror,
             view,
-            medium: Medium::new(sigma_s, sigma_a).unwrap(),
+            medium: self.medium,
             samples: SAMPLES,
             seed,
         };
-        Hits::trace(&config, &phase, &|_| ()).unwrap()
+        Hits::trace(&config, &|_| ()).unwrap()
     }
 
     /// Image and derivatives of a part of the view.
@@ -76,7 +75,7 @@ impl Setting {
                 mean.iter_mut().zip(one).for_each(|(m, v)| *m += v / MANY as f64);
             });
         }
-        let scale = [self.medium.sigma_s, 1.0, self.medium.phase.b()];
+        let scale = [self.medium.sigma_s(), 1.0, self.medium.phase().b()];
         let slopes = |i: usize| Vector3::from_fn(|c, _| mean[1 + c][i] * scale[c]);
         let matrix: Matrix3<f64> = (0..self.pixels()).map(|i| slopes(i) * slopes(i).transpose()).sum();
         let inverse = matrix.try_inverse().unwrap();
@@ -97,7 +96,7 @@ fn setting(side: usize, tau: f64, degrees: f64) -> Setting {
     let z = geometry.path_lengths().into_iter().sum::<f64>() / geometry.path_lengths().len() as f64;
     let phase = Gaussian::new(b_of_spread_angle(degrees.to_radians())).unwrap();
     let object = Image::from_fn(side, side, |x, y| if (x / 5 + y / 7) % 2 == 0 { 0.9 } else { 0.2 });
-    Setting { object, geometry, medium: Turbid { sigma_s: tau / z, sigma_a: 0.2 / z, phase } }
+    Setting { object, geometry, medium: Medium::new(tau / z, 0.2 / z, phase).unwrap() }
 }
 
 #[test]
@@ -125,7 +124,7 @@ fn own_shapes_beat_shared_ones() {
         let shown = |r: [f64; 3]| r.map(|r| format!("{r:.1}")).join(", ");
         // At most drawing is saved: it takes as long as the same paths before a plane, which is met at once.
         let mut plane = self::setting(side, tau, degrees);
-        plane.geometry = Geometry::planar(side, side, 0.05, tau / setting.medium.sigma_s).unwrap();
+        plane.geometry = Geometry::planar(side, side, 0.05, tau / setting.medium.sigma_s()).unwrap();
         let least = |setting: &Setting| {
             let one = || {
                 let clock = Instant::now();

@@ -140,19 +140,23 @@ fn gaussian(spread_angle_deg: f64) -> Gaussian {
     Gaussian::new(0.25 * spread * spread).unwrap()
 }
 
-fn config(sigma_s: f64, sigma_a: f64, depths: &[f64], paths: u64, seed: u64) -> RadialConfig {
-    let medium = Medium::new(sigma_s, sigma_a).unwrap();
+fn medium<P>(sigma_s: f64, sigma_a: f64, phase: P) -> Medium<P> {
+    Medium::new(sigma_s, sigma_a, phase).unwrap()
+}
+
+fn config<P>(medium: Medium<P>, depths: &[f64], paths: u64, seed: u64) -> RadialConfig<P> {
     RadialConfig { medium, depths: depths.to_vec(), edges: log_spaced(1e-4, 30.0, 120), paths, seed }
 }
 
-fn trace(config: &RadialConfig, phase: &impl PhaseFunction) -> Vec<RadialProfile> {
-    trace_radial(config, phase, &|_| ()).unwrap()
+fn trace<P: PhaseFunction + Copy>(config: &RadialConfig<P>) -> Vec<RadialProfile> {
+    trace_radial(config, &|_| ()).unwrap()
 }
 
 #[test]
 fn direct_light_follows_beer_and_lambert() {
-    let config = config(0.8, 0.3, &[0.01, 0.3, 1.0, 2.0, 4.0, 8.0], 1_000_000, 11);
-    for profile in trace(&config, &gaussian(20.0)) {
+    let medium = medium(0.8, 0.3, gaussian(20.0));
+    let config = config(medium, &[0.01, 0.3, 1.0, 2.0, 4.0, 8.0], 1_000_000, 11);
+    for profile in trace(&config) {
         let z = profile.direct().z_score((-1.1 * profile.z).exp());
         assert!(z.abs() < 4.0, "z = {}: {z} standard errors", profile.z);
     }
@@ -162,7 +166,7 @@ fn direct_light_follows_beer_and_lambert() {
 fn without_absorption_all_light_arrives_or_is_lost_through_the_surface() {
     let wide = Gaussian::new(0.3).unwrap();
     let mut last = 0.0;
-    for profile in trace(&config(1.5, 0.0, &[0.1, 0.5, 1.0, 2.0, 3.0], 200_000, 12), &wide) {
+    for profile in trace(&config(medium(1.5, 0.0, wide), &[0.1, 0.5, 1.0, 2.0, 3.0], 200_000, 12)) {
         let (direct, scattered, lost) = (profile.direct(), profile.scattered(), profile.lost());
         assert!((direct.value + scattered.value + lost.value - 1.0).abs() < 1e-12, "z = {}", profile.z);
         assert!(lost.value >= last, "a path lost to a plane is lost to all behind it");
@@ -177,7 +181,7 @@ fn isotropic_scatterers_transmit_what_chandrasekhar_says() {
     // H(1)/sqrt(3) / (tau + 1.4208), with Chandrasekhar's H(1) = 2.9078 (Radiative Transfer, 1960, table XI).
     let exact = 2.9078 / 3.0_f64.sqrt() / (4.0 + 1.4208);
     let nearly_isotropic = HenyeyGreenstein::new(1e-4).unwrap();
-    let profile = &trace(&config(1.0, 0.0, &[4.0], 400_000, 13), &nearly_isotropic)[0];
+    let profile = &trace(&config(medium(1.0, 0.0, nearly_isotropic), &[4.0], 400_000, 13))[0];
     let arrived = profile.direct().value + profile.scattered().value;
     // The formula is asymptotic: the rest falls like exp(-tau) and faster.
     assert!((arrived - exact).abs() < 4.0 * profile.lost().std_error + 1e-3, "{arrived} {exact}");
@@ -192,7 +196,7 @@ fn the_second_moment_stands_to_the_exact_formula_as_tabled() {
     for (spread_angle_deg, depths, ratios) in table {
         let phase = gaussian(spread_angle_deg);
         let paths = 1_600_000;
-        let profiles = trace(&config(0.95, 0.05, depths, paths, 14), &phase);
+        let profiles = trace(&config(medium(0.95, 0.05, phase), depths, paths, 14));
         for (profile, &tabled) in profiles.iter().zip(ratios) {
             let z = profile.z;
             let exact = 4.0 / 3.0 * 0.95 * phase.b() * z.powi(3) * (-0.05 * z).exp();
@@ -211,7 +215,7 @@ fn the_second_moment_stands_to_the_exact_formula_as_tabled() {
 fn narrow_lobes_have_the_transfer_function_of_small_angle_theory() {
     // tau 4B = .0024 at 2 degrees: theory is within .19 of that.
     let (phase, sigma_s, sigma_a, z) = (gaussian(2.0), 2.0, 0.2, 1.0);
-    let profile = &trace(&config(sigma_s, sigma_a, &[z], 1_000_000, 15), &phase)[0];
+    let profile = &trace(&config(medium(sigma_s, sigma_a, phase), &[z], 1_000_000, 15))[0];
     for k in [0.0, 5.0, 20.0, 50.0, 100.0, 200.0, 500.0] {
         let mean = phase.mean_planar_transform(k * z);
         let theory = (-(sigma_s + sigma_a) * z + sigma_s * z * mean).exp();
@@ -225,7 +229,7 @@ fn narrow_lobes_have_the_transfer_function_of_small_angle_theory() {
 
 #[test]
 fn encircled_energy_density_and_total_are_sums_of_the_same_bins() {
-    let profile = &trace(&config(2.0, 0.1, &[1.0], 100_000, 16), &gaussian(8.0))[0];
+    let profile = &trace(&config(medium(2.0, 0.1, gaussian(8.0)), &[1.0], 100_000, 16))[0];
     let last = profile.edges.len() - 1;
     let area = |i: usize| PI * profile.edges[i] * profile.edges[i];
     let rings: f64 = (0..last).map(|i| profile.density(i, i + 1).value * (area(i + 1) - area(i))).sum();
@@ -238,9 +242,9 @@ fn encircled_energy_density_and_total_are_sums_of_the_same_bins() {
 #[test]
 fn planes_traced_together_agree_with_each_traced_alone() {
     let phase = gaussian(15.0);
-    let together = trace(&config(1.0, 0.1, &[0.5, 1.0, 2.0], 200_000, 17), &phase);
+    let together = trace(&config(medium(1.0, 0.1, phase), &[0.5, 1.0, 2.0], 200_000, 17));
     for profile in &together {
-        let alone = &trace(&config(1.0, 0.1, &[profile.z], 200_000, 17), &phase)[0];
+        let alone = &trace(&config(medium(1.0, 0.1, phase), &[profile.z], 200_000, 17))[0];
         // The same streams: the same histories up to this plane.
         assert_eq!(profile.scattered_paths(), alone.scattered_paths());
         assert_eq!(profile.second_moment(), alone.second_moment());
@@ -251,12 +255,12 @@ fn planes_traced_together_agree_with_each_traced_alone() {
 fn radial_tallies_are_the_same_for_any_number_of_threads() {
     let run = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| trace(&config(2.0, 0.1, &[0.5, 1.0], 150_000, 18), &gaussian(8.0)))
+        pool.install(|| trace(&config(medium(2.0, 0.1, gaussian(8.0)), &[0.5, 1.0], 150_000, 18)))
     };
     let one = run(1);
     assert_eq!(one, run(2));
     assert_eq!(one, run(3));
-    let other = trace(&config(2.0, 0.1, &[0.5, 1.0], 150_000, 19), &gaussian(8.0));
+    let other = trace(&config(medium(2.0, 0.1, gaussian(8.0)), &[0.5, 1.0], 150_000, 19));
     assert_ne!(one, other, "another seed gives other paths");
     let z = (one[1].scattered().value - other[1].scattered().value) / one[1].scattered().std_error;
     assert!(z.abs() < 4.0 * 2.0_f64.sqrt(), "{z}");
@@ -269,14 +273,14 @@ fn progress_counts_every_path() {
     let progress = |n| {
         told.fetch_add(n, Ordering::Relaxed);
     };
-    trace_radial(&config(1.0, 0.0, &[1.0], 50_001, 20), &gaussian(8.0), &progress).unwrap();
+    trace_radial(&config(medium(1.0, 0.0, gaussian(8.0)), &[1.0], 50_001, 20), &progress).unwrap();
     assert_eq!(told.into_inner(), 50_001);
 }
 
 #[test]
 fn a_radial_trace_that_makes_no_sense_is_refused_by_name() {
-    let good = config(1.0, 0.0, &[1.0], 10, 1);
-    let message = |bad: RadialConfig| trace_radial(&bad, &gaussian(8.0), &|_| ()).unwrap_err().to_string();
+    let good = config(medium(1.0, 0.0, gaussian(8.0)), &[1.0], 10, 1);
+    let message = |bad: RadialConfig<Gaussian>| trace_radial(&bad, &|_| ()).unwrap_err().to_string();
     assert!(
         message(RadialConfig { depths: vec![1.0, 0.5], ..good.clone() }).contains("depth of a plane = 0.5")
     );

@@ -5,7 +5,8 @@ use narrowbeam::filter::cpu::CpuFilter;
 use narrowbeam::filter::{Optics, Target};
 use narrowbeam::image::Image;
 use narrowbeam::io::exr::ExrFile;
-use narrowbeam::scene::{MediumValues, Purpose, Scene, read_truth};
+use narrowbeam::medium::Medium;
+use narrowbeam::scene::{Purpose, Scene, read_truth};
 use narrowbeam::spread::Model;
 use narrowbeam::trace::{ImageConfig, trace_image};
 use std::path::Path;
@@ -18,7 +19,7 @@ fn reduced_chi2(a: &Image, b: &Image, variance: impl Fn(usize) -> f64) -> f64 {
 
 struct Witness {
     scene: Scene,
-    truth: MediumValues,
+    truth: Medium,
     observed: Image,
     variance: Image,
 }
@@ -37,26 +38,27 @@ impl Witness {
 
     /// Reduced chi² of Mitsuba's image against a traced one of a medium with `sigma_s` times `factor`.
     fn against_tracer(&self, factor: f64) -> f64 {
-        let medium = MediumValues { sigma_s: self.truth.sigma_s * factor, ..self.truth };
+        let truth = &self.truth;
+        let medium = Medium::new(truth.sigma_s() * factor, truth.sigma_a(), *truth.phase()).unwrap();
         let config = ImageConfig {
             geometry: &self.scene.geometry,
             radiance: &self.scene.object[0].image,
             behind: &[],
             border: self.scene.border,
             view: self.scene.view,
-            medium: medium.medium().unwrap(),
+            medium,
             samples: 512,
             seed: 7,
         };
-        let traced = trace_image(&config, &medium.lobe().unwrap(), &|_| ()).unwrap();
+        let traced = trace_image(&config, &|_| ()).unwrap();
         let variance = |i: usize| f64::from(self.variance.data[i]) + f64::from(traced.variance.data[i]);
         reduced_chi2(&self.observed, &traced.mean, variance)
     }
 
     /// Reduced chi² of Mitsuba's image against the small-angle render at the truth.
     fn against_small_angle(&self) -> f64 {
-        let (medium, phase) = (self.truth.medium().unwrap(), self.truth.lobe().unwrap());
-        let optics = Optics { model: Model::SmallAngle, medium, phase: &phase };
+        let medium = self.truth;
+        let optics = Optics { model: Model::SmallAngle, medium };
         let target = Target {
             radiance: &self.scene.object[0].image,
             behind: &[],

@@ -7,20 +7,21 @@ use narrowbeam::filter::Filter;
 use narrowbeam::fit::scenes::fit_scenes;
 use narrowbeam::fit::{ChannelFit, NAMES, Settings};
 use narrowbeam::image::Image;
-use narrowbeam::phase::Gaussian;
-use narrowbeam::scene::{MediumValues, Purpose, Scene};
+use narrowbeam::medium::Medium;
+use narrowbeam::scene::{Purpose, Scene};
 use narrowbeam::spread::Model;
 use narrowbeam::study::{Setting, Texture};
 use program::write_exr;
+use std::sync::LazyLock;
 use tempfile::TempDir;
 
-const PLANE: Setting = Setting {
+static PLANE: LazyLock<Setting> = LazyLock::new(|| Setting {
     texture: Texture::Checker,
     side: 48,
     pixel_pitch: 0.03,
     z: 2.0,
-    medium: MediumValues::gaussian(0.7, 0.15, 0.004),
-};
+    medium: Medium::gaussian(0.7, 0.15, 0.004).unwrap(),
+});
 
 const SCENE: &str = "[object]
 radiance = \"object.exr\"
@@ -64,11 +65,11 @@ const SEEDS: u64 = 6;
 #[test]
 fn a_traced_image_is_fitted_with_its_own_variance() {
     const SAMPLES: u32 = 64;
-    let phase = Gaussian::new(PLANE.medium.shape).unwrap();
+    let phase = *PLANE.medium.phase();
     let (mut chi2, mut trusting_bright, mut careful) = (0.0, 0.0, 0.0);
     for seed in 1..=SEEDS {
-        let traced = PLANE.trace(&phase, SAMPLES, seed).unwrap();
-        let other = PLANE.trace(&phase, SAMPLES, seed + 1000).unwrap().variance;
+        let traced = PLANE.trace(phase, SAMPLES, seed).unwrap();
+        let other = PLANE.trace(phase, SAMPLES, seed + 1000).unwrap().variance;
         let own =
             fit(&traced.mean, &[("Y.variance", traced.variance.clone())], "variance = \"observed.exr\"");
         let naive = fit(&traced.mean, &[("known", traced.variance)], "variance = \"known.exr\"");
@@ -95,8 +96,8 @@ fn a_traced_image_is_fitted_with_its_own_variance() {
 
 #[test]
 fn one_variance_for_all_pixels_is_one_level_of_noise() {
-    let phase = Gaussian::new(PLANE.medium.shape).unwrap();
-    let observed = PLANE.trace(&phase, 64, 1).unwrap().mean;
+    let phase = *PLANE.medium.phase();
+    let observed = PLANE.trace(phase, 64, 1).unwrap().mean;
     let level = |noise: f64| fit(&observed, &[], &format!("noise = {noise}"));
     let variance = |v: f32| {
         fit(&observed, &[("known", Image::filled(PLANE.side, PLANE.side, v))], "variance = \"known.exr\"")

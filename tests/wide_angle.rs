@@ -3,14 +3,14 @@
 use libm::j1;
 use narrowbeam::compare::worst_encircled_error;
 use narrowbeam::medium::Medium;
-use narrowbeam::phase::{Family, Lobe, PhaseFunction, b_of_spread_angle};
+use narrowbeam::phase::{Family, Phase, PhaseFunction, b_of_spread_angle};
 use narrowbeam::spread::wide_angle::layout::Layout;
 use narrowbeam::spread::wide_angle::table::Table;
 use narrowbeam::spread::wide_angle::{WideAngle, table_of};
 use narrowbeam::spread::{Dual, Model, SpreadKernel};
 use narrowbeam::trace::{
-    Estimate, History, Likelihood, RadialConfig, RadialProfile, Scattered, Turbid, log_spaced,
-    trace_histories, trace_radial,
+    Estimate, History, Likelihood, RadialConfig, RadialProfile, Scattered, log_spaced, trace_histories,
+    trace_radial,
 };
 
 /// Media of the comparison.
@@ -23,7 +23,7 @@ const MANY_PATHS: f64 = 1e7;
 const QUIET: f64 = 0.0005;
 /// Worst error of the encircled energy, as a share of the scattered light.
 const BOUND: f64 = 0.005;
-/// The same of Henyey-Greenstein's lobe, whose table is made of a quarter of the paths: up to .63 ± .08 % was measured.
+/// The same of Henyey-Greenstein's, whose table is made of a quarter of the paths: up to .63 ± .08 % was measured.
 const HG_BOUND: f64 = 0.008;
 /// Standard errors that the largest of some hundred correlated, normal errors exceeds in one of a hundred cases: that of
 /// 40 media with a few independent radii each.
@@ -40,47 +40,47 @@ fn halton(mut i: u32, base: u32) -> f64 {
     value
 }
 
-/// A Gaussian lobe of the spread angle `degrees`.
-fn lobe(degrees: f64) -> Lobe {
-    Family::Gaussian.lobe(b_of_spread_angle(degrees.to_radians())).unwrap()
+/// A Gaussian phase function of the spread angle `degrees`.
+fn gaussian(degrees: f64) -> Phase {
+    Family::Gaussian.phase(b_of_spread_angle(degrees.to_radians())).unwrap()
 }
 
-/// Henyey and Greenstein's lobe.
-fn hg(g: f64) -> Lobe {
-    Family::HenyeyGreenstein.lobe(g).unwrap()
+/// Henyey and Greenstein's phase function.
+fn hg(g: f64) -> Phase {
+    Family::HenyeyGreenstein.phase(g).unwrap()
 }
 
 /// The tabulated kernel at the depth `z`.
-fn wide_angle<'a>(medium: &Medium, phase: &'a Lobe, z: f64) -> WideAngle<'a> {
-    WideAngle::new(table_of(phase.family()), medium, phase, z).unwrap()
+fn wide_angle(medium: &Medium, z: f64) -> WideAngle {
+    WideAngle::new(table_of(medium.phase().family()), medium, z).unwrap()
 }
 
 /// Light traced to the depth 1 by so many scattered paths.
-fn traced(medium: Medium, phase: &Lobe, paths: f64, seed: u64) -> RadialProfile {
-    let width = phase.planar_width();
+fn traced(medium: Medium, paths: f64, seed: u64) -> RadialProfile {
+    let width = medium.phase().planar_width();
     let edges = log_spaced(1e-2 * width, 1e2 * width, 120);
     let paths = (paths / -(-medium.sigma_s()).exp_m1()) as u64;
     let config = RadialConfig { medium, depths: vec![1.0], edges, paths, seed };
-    trace_radial(&config, phase, &|_| ()).unwrap().remove(0)
+    trace_radial(&config, &|_| ()).unwrap().remove(0)
 }
 
-/// The worst error in each of so many media, whose lobe is `lobe_of` a number between 0 and 1 and called `what`, with a line
+/// The worst error in each of so many media, whose phase function is `phase_of` a number between 0 and 1 and called `what`, with a line
 /// for people; with ten times as many paths where its noise is above `quiet`.
 fn worst_errors(
     (media, what): (u32, &str),
-    lobe_of: impl Fn(f64) -> (f64, Lobe),
+    phase_of: impl Fn(f64) -> (f64, Phase),
     (paths, quiet, seed): (f64, f64, u64),
 ) -> Vec<(Estimate, String)> {
     println!("  tau  sigma_a z  {what}  worst error ± noise   at r/r50   total error ± noise  small-angle");
     let of_medium = |i: u32| {
-        let (shown, phase) = lobe_of(halton(i, 5));
+        let (shown, phase) = phase_of(halton(i, 5));
         let range = Model::WideAngle.range(phase.family()).unwrap();
         let tau = 0.05 * (range.tau / 0.05).powf(halton(i, 2));
         let absorption = (1.0 + range.absorption).powf(halton(i, 3)) - 1.0;
-        let medium = Medium::new(tau, absorption).unwrap();
-        let kernel = wide_angle(&medium, &phase, 1.0);
+        let medium = Medium::new(tau, absorption, phase).unwrap();
+        let kernel = wide_angle(&medium, 1.0);
         let compared = |paths: f64| {
-            let traced = traced(medium, &phase, paths, seed + u64::from(i));
+            let traced = traced(medium, paths, seed + u64::from(i));
             let worst = worst_encircled_error(&traced, &kernel).unwrap();
             (traced, worst)
         };
@@ -88,7 +88,7 @@ fn worst_errors(
         if worst.share.std_error > quiet {
             (traced, worst) = compared(10.0 * paths);
         }
-        let small = Model::SmallAngle.kernel(&medium, &phase, 1.0).unwrap();
+        let small = Model::SmallAngle.kernel(&medium, 1.0).unwrap();
         let small = worst_encircled_error(&traced, &*small).unwrap();
         let total = traced.scattered();
         let row = format!(
@@ -106,14 +106,14 @@ fn worst_errors(
     (1..=media).map(of_medium).collect()
 }
 
-/// A lobe of the Gaussian table's range.
-fn any_angle(share: f64) -> (f64, Lobe) {
+/// A phase function of the Gaussian table's range.
+fn any_angle(share: f64) -> (f64, Phase) {
     let degrees = 2.0 + 58.0 * share;
-    (degrees, lobe(degrees))
+    (degrees, gaussian(degrees))
 }
 
-/// A lobe of Henyey and Greenstein's table's range.
-fn any_g(share: f64) -> (f64, Lobe) {
+/// A phase function of Henyey and Greenstein's table's range.
+fn any_g(share: f64) -> (f64, Phase) {
     let g = 1.0 - 0.005 * 100.0_f64.powf(share);
     (g, hg(g))
 }
@@ -149,24 +149,22 @@ fn encircled_energy_is_within_its_bound_with_no_allowance_for_noise() {
 
 #[test]
 fn the_comparison_refuses_small_angle_theory() {
-    let (medium, phase) = (Medium::new(1.0, 0.2).unwrap(), lobe(20.0));
-    let small = Model::SmallAngle.kernel(&medium, &phase, 1.0).unwrap();
-    let worst = worst_encircled_error(&traced(medium, &phase, PATHS, 5), &*small).unwrap();
+    let medium = Medium::new(1.0, 0.2, gaussian(20.0)).unwrap();
+    let small = Model::SmallAngle.kernel(&medium, 1.0).unwrap();
+    let worst = worst_encircled_error(&traced(medium, PATHS, 5), &*small).unwrap();
     assert!(worst.share.value - NORMAL * worst.share.std_error > BOUND, "{worst:?}");
 }
 
-fn holds_the_mean_slope_of_fresh_histories<P: Likelihood>(medium: Turbid<P>, lobe: &Lobe) {
-    let Turbid { sigma_s, sigma_a, .. } = medium;
-    let kernel = wide_angle(&Medium::new(sigma_s, sigma_a).unwrap(), lobe, 1.0);
+fn holds_the_mean_slope_of_fresh_histories<P: Likelihood>(medium: Medium<P>, kernel: &WideAngle) {
     let histories = trace_histories(medium, Scattered::Once, 300_000, 77).unwrap();
     for x in [0.3, 1.0, 3.0] {
-        let k = x / lobe.planar_width();
+        let k = x / medium.phase().planar_width();
         let score =
             |h: &History<P::Memory>| -k * f64::from(h.slope) * j1(k * f64::from(h.radius)) * histories.weight;
         let sum: f64 = histories.paths.iter().map(score).sum();
         let squares: f64 = histories.paths.iter().map(|h| score(h).powi(2)).sum();
         let found = kernel.mean_slope(k, 0.0).value;
-        println!("{sigma_s} {sigma_a} {lobe} x {x}: {found:.5} traced {sum:.5} ± {:.5}", squares.sqrt());
+        println!("{medium:?} x {x}: {found:.5} traced {sum:.5} ± {:.5}", squares.sqrt());
         // Slopes grow without bound towards grazing paths, so they are known less well than light.
         assert!((found - sum).abs() < 4.0 * squares.sqrt() + 0.02 * sum.abs(), "{found} {sum}");
     }
@@ -174,15 +172,20 @@ fn holds_the_mean_slope_of_fresh_histories<P: Likelihood>(medium: Turbid<P>, lob
 
 #[test]
 fn the_mean_slope_is_that_of_fresh_histories() {
-    for (sigma_s, sigma_a, lobe) in
-        [(0.5, 0.2, lobe(6.0)), (2.0, 0.5, lobe(25.0)), (5.0, 0.1, lobe(45.0)), (2.0, 0.5, hg(0.9))]
-    {
-        match lobe {
-            Lobe::Gaussian(phase) => {
-                holds_the_mean_slope_of_fresh_histories(Turbid { sigma_s, sigma_a, phase }, &lobe);
+    for (sigma_s, sigma_a, phase) in [
+        (0.5, 0.2, gaussian(6.0)),
+        (2.0, 0.5, gaussian(25.0)),
+        (5.0, 0.1, gaussian(45.0)),
+        (2.0, 0.5, hg(0.9)),
+    ] {
+        let medium = Medium::new(sigma_s, sigma_a, phase).unwrap();
+        let kernel = wide_angle(&medium, 1.0);
+        match phase {
+            Phase::Gaussian(phase) => {
+                holds_the_mean_slope_of_fresh_histories(medium.with_phase(phase), &kernel);
             }
-            Lobe::HenyeyGreenstein(phase) => {
-                holds_the_mean_slope_of_fresh_histories(Turbid { sigma_s, sigma_a, phase }, &lobe);
+            Phase::HenyeyGreenstein(phase) => {
+                holds_the_mean_slope_of_fresh_histories(medium.with_phase(phase), &kernel);
             }
         }
     }
@@ -200,12 +203,12 @@ fn derivatives_match_central_differences() {
         (hg, [4.0, 1.5, 0.7]),
     ] {
         for x in [0.0, 0.3, 2.0, 20.0] {
-            let k = x / family.lobe(p[2]).unwrap().planar_width();
+            let k = x / family.phase(p[2]).unwrap().planar_width();
             let at = |p: [f64; 3]| -> [Dual; 2] {
-                let phase = family.lobe(p[2]).unwrap();
+                let phase = family.phase(p[2]).unwrap();
                 // Lengths other than 1 see that units are kept.
-                let medium = Medium::new(p[0] / 1.3, p[1] / 1.3).unwrap();
-                let kernel = wide_angle(&medium, &phase, 1.3);
+                let medium = Medium::new(p[0] / 1.3, p[1] / 1.3, phase).unwrap();
+                let kernel = wide_angle(&medium, 1.3);
                 [kernel.mtf(k), kernel.mean_slope(k, 0.4)]
             };
             for i in 0..3 {
@@ -233,8 +236,8 @@ fn derivatives_match_central_differences() {
 
 #[test]
 fn the_encircled_energy_is_the_integral_of_a_positive_density() {
-    for phase in [lobe(35.0), hg(0.85)] {
-        positive(&wide_angle(&Medium::new(3.0, 0.4).unwrap(), &phase, 1.0));
+    for phase in [gaussian(35.0), hg(0.85)] {
+        positive(&wide_angle(&Medium::new(3.0, 0.4, phase).unwrap(), 1.0));
     }
 }
 

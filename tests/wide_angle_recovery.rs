@@ -12,7 +12,7 @@ use narrowbeam::fit::{ChannelFit, NAMES, Settings, fit_channel};
 use narrowbeam::geometry::Geometry;
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
-use narrowbeam::phase::{Gaussian, b_of_spread_angle};
+use narrowbeam::phase::b_of_spread_angle;
 use narrowbeam::scene::FitOptions;
 use narrowbeam::spread::Model;
 use narrowbeam::trace::{ImageConfig, TracedImage, trace_image};
@@ -69,11 +69,11 @@ impl Case {
             behind: &[],
             border: Border::Zero,
             view: View::whole(SIDE, SIDE),
-            medium: Medium::new(sigma_s, sigma_a).unwrap(),
+            medium: Medium::gaussian(sigma_s, sigma_a, b).unwrap(),
             samples,
             seed,
         };
-        trace_image(&config, &Gaussian::new(b).unwrap(), &|_| ()).unwrap()
+        trace_image(&config, &|_| ()).unwrap()
     }
 
     /// Fits an image of so many samples a pixel; prints and returns a row for each parameter.

@@ -49,14 +49,18 @@ impl Chosen {
     ///
     /// # Errors
     /// [`Error::NoAdapter`] or [`Error::Gpu`] if a graphics adapter is wanted and there is none, or it cannot be opened.
-    pub(super) fn new(wanted: Wanted, scenes: &[Scene], evaluations: [u64; 2]) -> Result<Self> {
+    pub(super) fn new<'s>(
+        wanted: Wanted,
+        scenes: impl IntoIterator<Item = &'s Scene>,
+        evaluations: [u64; 2],
+    ) -> Result<Self> {
         let cpu = |reason: String| Ok(Self { gpu: None, reason });
         match wanted {
             Wanted::Cpu => return cpu("as asked".into()),
             Wanted::Gpu => return Ok(Self { gpu: Some(Gpu::open()?), reason: "as asked".into() }),
             Wanted::Auto => (),
         }
-        let seconds = scenes.iter().map(|scene| seconds(scene, evaluations)).sum::<f64>();
+        let seconds = scenes.into_iter().map(|scene| seconds(scene, evaluations)).sum::<f64>();
         if seconds < WORTHWHILE_SECONDS {
             return cpu(format!(
                 "about {seconds:.1} s of work, less than {WORTHWHILE_SECONDS} s for which a graphics adapter is opened"

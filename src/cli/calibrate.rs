@@ -25,7 +25,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     atomic::create_dir(&arguments.out)?;
     let file = arguments.out.join("calibration.csv");
     atomic::check_writable(&file)?;
-    let (cases, draws) = (cases(), arguments.draws as usize);
+    let (cases, draws) = (cases()?, arguments.draws as usize);
     let progress = Progress::new("calibrating", "fits", (cases.len() * draws) as u64);
     let head = [
         "setting",

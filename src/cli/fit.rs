@@ -11,7 +11,7 @@ use crate::fit::{Method, Settings, bootstrap, profile};
 use crate::io::colour::{Tone, residual_scale};
 use crate::io::{atomic, exr, png};
 use crate::plots::{Figure, Panel, Shade};
-use crate::scene::{Purpose, Scene};
+use crate::scene::ObservedScene;
 use crate::spread::Model;
 use anyhow::Result;
 use rayon::prelude::*;
@@ -57,12 +57,10 @@ const CONFIRMING_RENDERS: u64 = 3;
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     check_intervals(arguments)?;
-    let scenes = arguments
-        .scenes
-        .iter()
-        .map(|path| Scene::read(path, Purpose::Fit))
-        .collect::<crate::Result<Vec<_>>>()?;
-    let chosen = Chosen::new(arguments.rendering.backend, &scenes, [CONFIRMING_RENDERS, TYPICAL_RENDERS])?;
+    let scenes =
+        arguments.scenes.iter().map(|path| ObservedScene::read(path)).collect::<crate::Result<Vec<_>>>()?;
+    let of = scenes.iter().map(|observed| &observed.scene);
+    let chosen = Chosen::new(arguments.rendering.backend, of, [CONFIRMING_RENDERS, TYPICAL_RENDERS])?;
     check_scenes(&scenes, &settings_of(arguments, &chosen, &|| ())?)?;
     atomic::create_dir(&arguments.out)?;
     for i in 0..scenes.len() {
@@ -112,8 +110,8 @@ fn settings_of<'a>(
     })
 }
 
-fn estimate(arguments: &Arguments, scenes: &[Scene], chosen: &Chosen) -> crate::Result<SceneFit> {
-    let renders = TYPICAL_RENDERS * (scenes.len() * scenes[0].object.len()) as u64;
+fn estimate(arguments: &Arguments, scenes: &[ObservedScene], chosen: &Chosen) -> crate::Result<SceneFit> {
+    let renders = TYPICAL_RENDERS * (scenes.len() * scenes[0].scene.object.len()) as u64;
     let progress = match arguments.rendering.model {
         WantedModel::This(Model::Traced) => Progress::uncounted("tracing and fitting"),
         _ => Progress::new("fitting", "renders", renders),
@@ -129,7 +127,7 @@ fn estimate(arguments: &Arguments, scenes: &[Scene], chosen: &Chosen) -> crate::
 /// The intervals that `--profile` and `--bootstrap` ask for.
 fn add_intervals(
     arguments: &Arguments,
-    scenes: &[Scene],
+    scenes: &[ObservedScene],
     chosen: &Chosen,
     fit: &mut SceneFit,
 ) -> crate::Result<()> {
@@ -143,7 +141,7 @@ fn add_intervals(
         })?;
     }
     if arguments.bootstrap > 0 {
-        let refits = (arguments.bootstrap * scenes[0].object.len()) as u64;
+        let refits = (arguments.bootstrap * scenes[0].scene.object.len()) as u64;
         let progress = Progress::new("bootstrap", "fits", refits);
         let draws = (arguments.bootstrap, arguments.tracing.seed);
         fit.add_intervals("bootstrap95", scenes, filter, |data, channel, options| {
@@ -157,7 +155,7 @@ fn add_intervals(
 /// What would free what is undetermined, if something is.
 fn add_advice(
     arguments: &Arguments,
-    scenes: &[Scene],
+    scenes: &[ObservedScene],
     chosen: &Chosen,
     fit: &mut SceneFit,
 ) -> crate::Result<()> {
@@ -234,11 +232,10 @@ fn output(arguments: &Arguments, scenes: usize, i: usize, name: &str, kind: &str
 
 /// The report, then `render`, `residual`, `hidden_share` and the pictures of each scene. An earlier fit's `hidden_share`
 /// is removed if nothing is hidden now.
-fn write(arguments: &Arguments, scenes: &[Scene], fit: &SceneFit, chosen: &Chosen) -> Result<()> {
+fn write(arguments: &Arguments, scenes: &[ObservedScene], fit: &SceneFit, chosen: &Chosen) -> Result<()> {
     let json = serde_json::to_string_pretty(&fit.report)?;
     atomic::write(&arguments.out.join("fit.json"), json.as_bytes())?;
-    for (i, scene) in scenes.iter().enumerate() {
-        let observation = scene.observation.as_ref().expect("read for a fit");
+    for (i, ObservedScene { scene, observation }) in scenes.iter().enumerate() {
         let file = |name: &str, kind: &str| output(arguments, scenes.len(), i, name, kind);
         let (render, residual) = (fit.render(i), fit.residual(i, &observation.image));
         let (clear, tone) = (Tone::of(&scene.object), Tone::of(&observation.image));

@@ -6,7 +6,7 @@ use super::progress::Progress;
 use super::{UNDETERMINED, aligned, say};
 use crate::fit::forecast::{Plan, forecast};
 use crate::fit::{Settings, path_lengths};
-use crate::scene::{Purpose, Scene};
+use crate::scene::Scene;
 use anyhow::Result;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -35,9 +35,8 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
-    let read = |path: &PathBuf| Scene::read(path, Purpose::Render);
-    let scenes = arguments.scenes.iter().map(read).collect::<crate::Result<Vec<_>>>()?;
-    let media = scenes[0].medium_values(arguments.medium.values())?;
+    let scenes = arguments.scenes.iter().map(|path| Scene::read(path)).collect::<crate::Result<Vec<_>>>()?;
+    let media = scenes[0].media(arguments.medium.values())?;
     let chosen = Chosen::new(arguments.rendering.backend, &scenes, [1, 2])?;
     let geometries: Vec<_> = scenes.iter().map(|scene| &scene.geometry).collect();
     let progress = Progress::uncounted("forecasting");

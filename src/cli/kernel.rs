@@ -11,7 +11,7 @@ use super::say;
 use crate::error::{Error, Result, in_range};
 use crate::io::atomic;
 use crate::medium::Medium;
-use crate::phase::{Family, Lobe, PhaseFunction, b_of_spread_angle};
+use crate::phase::{Family, Phase, PhaseFunction, b_of_spread_angle};
 use crate::spread::Model;
 use crate::trace::{RadialConfig, RadialProfile, trace_radial};
 use curves::{Curve, Grid};
@@ -61,13 +61,13 @@ struct Width {
 }
 
 impl Width {
-    /// The lobe; the command line demands exactly one of the three.
-    fn lobe(&self) -> Result<Lobe> {
+    /// The phase function; the command line demands exactly one of the three.
+    fn phase(&self) -> Result<Phase> {
         let degrees = || self.spread_angle_deg.unwrap_or_default();
         let b = || self.b.unwrap_or_else(|| b_of_spread_angle(degrees().to_radians()));
         match self.g {
-            Some(g) => Family::HenyeyGreenstein.lobe(g).map_err(|e| Error::Usage(format!("--{e}"))),
-            None => Family::Gaussian.lobe(b()),
+            Some(g) => Family::HenyeyGreenstein.phase(g).map_err(|e| Error::Usage(format!("--{e}"))),
+            None => Family::Gaussian.phase(b()),
         }
     }
 }
@@ -76,19 +76,17 @@ impl Width {
 #[derive(Debug, Clone, Copy)]
 struct Setting {
     medium: Medium,
-    phase: Lobe,
     z: f64,
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let setting = Setting {
-        medium: Medium::new(arguments.sigma_s, arguments.sigma_a)?,
-        phase: arguments.width.lobe()?,
+        medium: Medium::new(arguments.sigma_s, arguments.sigma_a, arguments.width.phase()?)?,
         z: in_range("--depth", arguments.depth, arguments.depth > 0.0, "above 0 (length)")?,
     };
-    let width = 2.0 * setting.z * setting.phase.planar_width();
+    let width = 2.0 * setting.z * setting.medium.phase().planar_width();
     in_range(
-        "--depth times twice the width of the lobe",
+        "--depth times twice the width of the phase function",
         width,
         (1e-9..1e9).contains(&width),
         "between 1e-9 and 1e9 (length)",
@@ -96,7 +94,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let any = arguments.models.is_empty();
     let mut kernels = Vec::new();
     for model in Model::ALL.into_iter().filter(|m| any || arguments.models.contains(m)) {
-        match model.kernel(&setting.medium, &setting.phase, setting.z) {
+        match model.kernel(&setting.medium, setting.z) {
             Err(end) if any && end.is_about_model() => eprintln!("{model} is left out: {end}"),
             kernel => kernels.push((model, kernel?)),
         }
@@ -130,5 +128,5 @@ fn traced(arguments: &Arguments, setting: &Setting, grid: &Grid) -> Result<Optio
         seed: arguments.seed,
     };
     let progress = Progress::new("tracing", "photons", arguments.photons);
-    Ok(trace_radial(&config, &setting.phase, &|done| progress.add(done))?.pop())
+    Ok(trace_radial(&config, &|done| progress.add(done))?.pop())
 }

@@ -4,8 +4,10 @@ use super::backend::Wanted;
 use crate::error::{Error, Result};
 use crate::filter::Filter;
 use crate::fit::{MOST_PATHS, PathLengths, Tracing};
+use crate::medium::Medium;
+use crate::phase::PhaseFunction;
 use crate::phase::{Family, b_of_spread_angle};
-use crate::scene::{MediumValues, PartialMedium};
+use crate::scene::PartialMedium;
 use crate::spread::{Model, SMALL_ANGLE_LIMIT};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -36,7 +38,7 @@ impl MediumOptions {
     pub(super) fn values(&self) -> PartialMedium {
         let b = self.b.or(self.spread_angle_deg.map(|d| b_of_spread_angle(d.to_radians())));
         let family = if self.g.is_some() { Family::HenyeyGreenstein } else { Family::Gaussian };
-        PartialMedium { sigma_s: self.sigma_s, sigma_a: self.sigma_a, family, shape: self.g.or(b) }
+        PartialMedium { sigma_s: self.sigma_s, sigma_a: self.sigma_a, family, phase_parameter: self.g.or(b) }
     }
 }
 
@@ -50,7 +52,7 @@ pub(super) struct RenderOptions {
     /// Filter for depth maps: eq29, composite, or auto: composite where the depth map has edges or slopes
     #[arg(long, default_value = "auto")]
     pub filter: Filter,
-    /// Where to compute: cpu, gpu (a graphics adapter, be it a software one), or auto: a real one if it pays off
+    /// Where to compute: cpu, gpu (a graphics adapter, even if it is a software one), or auto: a real one if it pays off
     #[arg(long, default_value = "auto")]
     pub backend: Wanted,
 }
@@ -124,21 +126,26 @@ impl FromStr for WantedModel {
 impl WantedModel {
     /// The model to render `media` with over path lengths of median and longest `z`: of itself `small-angle`, or
     /// `wide-angle` where that leaves its range and the other has kernels.
-    pub(super) fn for_media(self, media: &[MediumValues], z: PathLengths) -> Model {
+    pub(super) fn for_media(self, media: &[Medium], z: PathLengths) -> Model {
         if let WantedModel::This(model) = self {
             return model;
         }
-        let wide =
-            media.iter().any(|m| m.sigma_s * z.median * m.family.square_angle(m.shape) > SMALL_ANGLE_LIMIT);
-        let within = |m: &MediumValues| {
-            Model::WideAngle.range(m.family).is_ok_and(|range| {
-                m.sigma_s * z.longest <= range.tau
-                    && m.sigma_a * z.longest <= range.absorption
-                    && (range.shape[0]..=range.shape[1]).contains(&m.shape)
+        let wide = media.iter().any(|m| validity(m, z.median) > SMALL_ANGLE_LIMIT);
+        let within = |m: &Medium| {
+            Model::WideAngle.range(m.phase().family()).is_ok_and(|range| {
+                m.tau(z.longest) <= range.tau
+                    && m.sigma_a() * z.longest <= range.absorption
+                    && (range.phase[0]..=range.phase[1]).contains(&m.phase().parameter())
             })
         };
         if wide && media.iter().all(within) { Model::WideAngle } else { Model::SmallAngle }
     }
+}
+
+/// tau times the [mean-square scattering angle](Family::mean_square_angle) over the path length `z`: how far from small
+/// angles the light of a medium is.
+pub(super) fn validity(medium: &Medium, z: f64) -> f64 {
+    medium.tau(z) * medium.phase().family().mean_square_angle(medium.phase().parameter())
 }
 
 /// A path to an EXR image or a PNG picture.
@@ -153,6 +160,19 @@ pub(super) fn exr_or_png(path: PathBuf) -> std::result::Result<PathBuf, &'static
 /// Whether `path` ends in `extension`, in any case.
 pub(super) fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
+}
+
+/// The media of the channels, for the files that a command writes; one value a channel.
+pub(super) fn record_of(media: &[Medium]) -> Vec<(String, String)> {
+    let each =
+        |value: fn(&Medium) -> f64| media.iter().map(|m| value(m).to_string()).collect::<Vec<_>>().join(" ");
+    let parameter = media[0].phase().family().parameter_name();
+    let pairs = [
+        ("sigma_s", each(Medium::sigma_s)),
+        ("sigma_a", each(Medium::sigma_a)),
+        (parameter, each(|m| m.phase().parameter())),
+    ];
+    pairs.map(|(key, value)| (key.to_string(), value)).to_vec()
 }
 
 /// Software and command line, for the files that a command writes.

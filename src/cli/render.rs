@@ -1,7 +1,9 @@
 //! `narrowbeam render`: a scene through its medium by a spread model.
 
 use super::backend::Chosen;
-use super::options::{MediumOptions, RenderOptions, TracingOptions, exr_or_png, has_extension, provenance};
+use super::options::{
+    MediumOptions, RenderOptions, TracingOptions, exr_or_png, has_extension, provenance, record_of,
+};
 use super::progress::Progress;
 use crate::error::Error;
 use crate::filter::{CUT, Filter, Optics, Target, hidden_share};
@@ -9,7 +11,7 @@ use crate::fit::{path_lengths, render_traced};
 use crate::image::Channel;
 use crate::io::{atomic, exr};
 use crate::plots::{Figure, Panel, Shade};
-use crate::scene::{Purpose, Scene};
+use crate::scene::Scene;
 use crate::spread::Model;
 use anyhow::Result;
 use clap::builder::{PathBufValueParser, TypedValueParser};
@@ -38,20 +40,18 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let tracing = arguments.tracing.read(&arguments.rendering)?;
-    let scene = Scene::read(&arguments.scene, Purpose::Render)?;
-    let media = scene.medium_values(arguments.medium.values())?;
+    let scene = Scene::read(&arguments.scene)?;
+    let media = scene.media(arguments.medium.values())?;
     check_outputs(arguments)?;
-    let scenes = [scene];
-    let chosen = Chosen::new(arguments.rendering.backend, &scenes, [1, 1])?;
-    let (backend, [scene]) = (chosen.backend(), &scenes);
+    let chosen = Chosen::new(arguments.rendering.backend, [&scene], [1, 1])?;
+    let backend = chosen.backend();
     let progress = Progress::uncounted("rendering");
     let model = arguments.rendering.model.for_media(&media, path_lengths(&[&scene.geometry]));
     let relief = arguments.rendering.filter.relief(&scene.geometry);
     let mut cut = false;
     let (mut channels, mut shares) = (Vec::new(), Vec::new());
-    for ((object, behind), values) in scene.object.iter().zip(&scene.behind).zip(&media) {
-        let phase = values.lobe()?;
-        let optics = Optics { model, medium: values.medium()?, phase: &phase };
+    for ((object, behind), &medium) in scene.object.iter().zip(&scene.behind).zip(&media) {
+        let optics = Optics { model, medium };
         let target = Target {
             radiance: &object.image,
             behind,
@@ -78,10 +78,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     attributes.push(("model".into(), model.name().into()));
     attributes.push(("filter".into(), Filter::of(relief.as_ref()).name().into()));
     attributes.push(("backend".into(), chosen.describe()));
-    attributes.push(("medium".into(), format!("{media:?}")));
+    attributes.extend(record_of(&media));
     exr::write(&arguments.output, &channels, &attributes)?;
     match &arguments.hidden_share {
-        Some(path) if has_extension(path, "png") => draw_hidden_share(path, scene, shares)?,
+        Some(path) if has_extension(path, "png") => draw_hidden_share(path, &scene, shares)?,
         Some(path) => exr::write(path, &shares, &attributes)?,
         None => (),
     }

@@ -6,6 +6,7 @@ use super::progress::Progress;
 use super::{aligned, say};
 use crate::fit::NAMES;
 use crate::io::atomic;
+use crate::phase::PhaseFunction;
 use crate::study::stability::{Tally, Trial, Verdict};
 use crate::study::sweeps::{Extent, SWEEP_TRACES, grid, sweeps};
 use anyhow::Result;
@@ -66,7 +67,7 @@ fn csv(trials: &[Trial]) -> String {
             t.level,
             quote(&t.label),
             t.setting.tau(),
-            (4.0 * t.setting.medium.shape).sqrt().to_degrees(),
+            (4.0 * t.setting.medium.phase().parameter()).sqrt().to_degrees(),
             quote(&t.method.name()),
             o.model,
             quote(o.verdict().name()),

@@ -1,7 +1,9 @@
 //! `narrowbeam synthesize`: all the light of a scene, the illumination's included.
 
 use super::backend::Chosen;
-use super::options::{MediumOptions, RenderOptions, WantedModel, exr_or_png, has_extension, provenance};
+use super::options::{
+    MediumOptions, RenderOptions, WantedModel, exr_or_png, has_extension, provenance, record_of, validity,
+};
 use super::progress::Progress;
 use crate::error::Error;
 use crate::filter::CUT;
@@ -9,7 +11,8 @@ use crate::geometry::median;
 use crate::image::Channel;
 use crate::io::colour::Tone;
 use crate::io::{atomic, exr, png};
-use crate::scene::{Purpose, Scene};
+use crate::phase::PhaseFunction;
+use crate::scene::LitScene;
 use crate::spread::{Model, SMALL_ANGLE_LIMIT, small_angle_error};
 use crate::synthesis::{Synthesis, synthesize};
 use anyhow::Result;
@@ -35,8 +38,8 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
-    let scene = Scene::read(&arguments.scene, Purpose::Synthesize)?;
-    let media = scene.medium_values(arguments.medium.values())?;
+    let lit = LitScene::read(&arguments.scene)?;
+    let media = lit.scene.media(arguments.medium.values())?;
     atomic::check_writable(&arguments.output)?;
     if let Some(path) = &arguments.parts {
         if *path == arguments.output {
@@ -44,21 +47,20 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
         }
         atomic::check_writable(path)?;
     }
-    let scenes = [scene];
-    let chosen = Chosen::new(arguments.rendering.backend, &scenes, [1, 1])?;
+    let chosen = Chosen::new(arguments.rendering.backend, [&lit.scene], [1, 1])?;
     let model = match arguments.rendering.model {
         WantedModel::This(model) => model,
         // For pictures: wide-angle takes minutes and gigabytes where a perspective camera looks through an oblique surface.
         WantedModel::Auto => Model::SmallAngle,
     };
     let progress = Progress::uncounted("synthesizing");
-    let made = synthesize(&scenes[0], &media, model, arguments.rendering.filter, chosen.backend())?;
+    let made = synthesize(&lit, &media, model, arguments.rendering.filter, chosen.backend())?;
     drop(progress);
 
     let mut attributes = provenance();
     attributes.push(("model".into(), model.name().into()));
     attributes.push(("backend".into(), chosen.describe()));
-    attributes.push(("medium".into(), format!("{media:?}")));
+    attributes.extend(record_of(&media));
     let total = made.total();
     if has_extension(&arguments.output, "png") {
         png::write_picture(&arguments.output, &total, Tone::of(&total))?;
@@ -71,14 +73,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     if made.cut {
         eprintln!("warning (kernel_cut): {CUT}");
     }
-    let z = median(scenes[0].geometry.path_lengths());
+    let z = median(lit.scene.geometry.path_lengths());
     for (channel, medium) in total.iter().zip(&media) {
-        let validity = medium.sigma_s * z * medium.family.square_angle(medium.shape);
+        let validity = validity(medium, z);
         if model.rests_on_small_angles() && validity > SMALL_ANGLE_LIMIT {
             eprintln!(
                 "warning (outside_validity): tau·{} of channel {} is {validity:.3}, above {SMALL_ANGLE_LIMIT}: {} rests \
                  on small angles, whose transfer function is off by {} there",
-                medium.family.square_angle_formula(),
+                medium.phase().family().mean_square_angle_formula(),
                 channel.name,
                 model,
                 small_angle_error(validity)

@@ -1,11 +1,12 @@
 //! `narrowbeam trace`: a scene's image by following paths, with the variance of each pixel.
 
-use super::options::{MediumOptions, provenance};
+use super::options::{MediumOptions, provenance, record_of};
 use super::progress::Progress;
 use super::say;
 use crate::image::{Channel, Image};
 use crate::io::{atomic, exr};
-use crate::scene::{MediumValues, Purpose, Scene};
+use crate::medium::Medium;
+use crate::scene::Scene;
 use crate::trace::{ImageConfig, trace_image};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -30,8 +31,8 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
-    let scene = Scene::read(&arguments.scene, Purpose::Render)?;
-    let media = scene.medium_values(arguments.medium.values())?;
+    let scene = Scene::read(&arguments.scene)?;
+    let media = scene.media(arguments.medium.values())?;
     atomic::check_writable(&arguments.output)?;
 
     let all = (scene.view.pixels() * scene.object.len()) as u64 * u64::from(arguments.samples);
@@ -39,18 +40,18 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let start = Instant::now();
     let mut channels = Vec::new();
     let mut paths = 0;
-    for (i, (object, values)) in scene.object.iter().zip(&media).enumerate() {
+    for (i, (object, &medium)) in scene.object.iter().zip(&media).enumerate() {
         let config = ImageConfig {
             geometry: &scene.geometry,
             radiance: &object.image,
             behind: &scene.behind[i],
             border: scene.border,
             view: scene.view,
-            medium: values.medium()?,
+            medium,
             samples: arguments.samples,
             seed: channel_seed(arguments.seed, i),
         };
-        let traced = trace_image(&config, &values.lobe()?, &|done| progress.add(done))?;
+        let traced = trace_image(&config, &|done| progress.add(done))?;
         paths += traced.paths;
         let mut push = |name: String, image: Image| channels.push(Channel { name, image });
         push(object.name.clone(), traced.mean);
@@ -72,20 +73,10 @@ fn channel_seed(seed: u64, i: usize) -> u64 {
 }
 
 /// How the image was made; one value a channel.
-fn record(arguments: &Arguments, media: &[MediumValues]) -> Vec<(String, String)> {
-    let each = |value: fn(&MediumValues) -> f64| {
-        media.iter().map(|m| value(m).to_string()).collect::<Vec<_>>().join(" ")
-    };
+fn record(arguments: &Arguments, media: &[Medium]) -> Vec<(String, String)> {
     let mut pairs = provenance();
-    pairs.extend(
-        [
-            ("seed", arguments.seed.to_string()),
-            ("samples", arguments.samples.to_string()),
-            ("sigma_s", each(|m| m.sigma_s)),
-            ("sigma_a", each(|m| m.sigma_a)),
-            (media[0].family.parameter(), each(|m| m.shape)),
-        ]
-        .map(|(key, value)| (key.to_string(), value)),
-    );
+    pairs.push(("seed".into(), arguments.seed.to_string()));
+    pairs.push(("samples".into(), arguments.samples.to_string()));
+    pairs.extend(record_of(media));
     pairs
 }

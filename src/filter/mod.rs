@@ -46,7 +46,6 @@ use crate::error::{Error, Result};
 use crate::geometry::Geometry;
 use crate::image::{Border, Image, View};
 use crate::medium::Medium;
-use crate::phase::PhaseFunction;
 use crate::relief::Relief;
 use crate::spread::{Model, SpreadKernel};
 use std::str::FromStr;
@@ -68,24 +67,22 @@ pub struct Target<'a> {
     pub relief: Option<&'a Relief>,
 }
 
-/// A spread model with its medium and phase function: gives the kernel of any path length.
+/// A spread model with its medium: gives the kernel of any path length.
 #[derive(Clone, Copy)]
-pub struct Optics<'a> {
+pub struct Optics {
     /// The rung of the ladder.
     pub model: Model,
-    /// sigma_s and sigma_a.
+    /// The medium.
     pub medium: Medium,
-    /// The phase function.
-    pub phase: &'a dyn PhaseFunction,
 }
 
-impl<'a> Optics<'a> {
+impl Optics {
     /// The kernel after path length `z`.
     ///
     /// # Errors
     /// As [`Model::kernel`].
-    pub fn kernel(&self, z: f64) -> Result<Box<dyn SpreadKernel + 'a>> {
-        self.model.kernel(&self.medium, self.phase, z)
+    pub fn kernel(&self, z: f64) -> Result<Box<dyn SpreadKernel>> {
+        self.model.kernel(&self.medium, z)
     }
 }
 

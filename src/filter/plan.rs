@@ -7,6 +7,7 @@ use super::sources::{Sheet, hidden_sheets, sheets};
 use super::{Optics, Target};
 use crate::error::Result;
 use crate::image::Border;
+use crate::phase::PhaseFunction;
 use crate::relief::{Relief, Screen};
 use crate::spread::Model;
 
@@ -160,7 +161,7 @@ fn per_segment(
 fn reach_px<'s>(slices: impl Iterator<Item = &'s Slices>, optics: &Optics, target: &Target) -> Result<f64> {
     let most = most_reach(target);
     let side = target.radiance.width.max(target.radiance.height) as f64;
-    let slow = optics.model == Model::WideAngle || optics.phase.planar_second_moment().is_none();
+    let slow = optics.model == Model::WideAngle || optics.medium.phase().planar_second_moment().is_none();
     let outside = |r: f64| match (slow, target.border) {
         _ if r > most => 1.0,
         (false, _) => OUTSIDE,

@@ -155,15 +155,13 @@ impl RadialTable {
 mod tests {
     use super::*;
     use crate::medium::Medium;
-    use crate::phase::Gaussian;
     use crate::spread::Model;
 
     #[test]
     fn interpolated_aliases_equal_a_long_sum_of_them() {
-        let medium = Medium::new(1.0, 0.1).unwrap();
-        let phase = Gaussian::new(0.004).unwrap();
+        let medium = Medium::gaussian(1.0, 0.1, 0.004).unwrap();
         for width_px in [0.03, 0.3, 1.0, 4.0, 30.0] {
-            let kernel = Model::SmallAngle.kernel(&medium, &phase, 1.5).unwrap();
+            let kernel = Model::SmallAngle.kernel(&medium, 1.5).unwrap();
             let pitch = kernel.width() / width_px;
             let table = AliasTable::new(&*kernel, pitch, 1.0);
             let basis = AliasTable::basis(14);
@@ -185,13 +183,12 @@ mod tests {
 
     #[test]
     fn the_radial_table_equals_the_transfer_function() {
-        let phase = Gaussian::new(0.004).unwrap();
         for tau in [0.1, 1.0, 8.0] {
             for model in [Model::SingleScatter, Model::Gaussian, Model::NarrowBeamPrinted, Model::SmallAngle]
             {
                 for width_px in [0.03, 1.0, 40.0, 300.0] {
-                    let medium = Medium::new(tau / 1.5, 0.1).unwrap();
-                    let kernel = model.kernel(&medium, &phase, 1.5).unwrap();
+                    let medium = Medium::gaussian(tau / 1.5, 0.1, 0.004).unwrap();
+                    let kernel = model.kernel(&medium, 1.5).unwrap();
                     let pitch = kernel.width() / width_px;
                     let table = RadialTable::new(&*kernel, pitch, |w| kernel.scattered_transfer(w / pitch));
                     for i in 0..2000 {

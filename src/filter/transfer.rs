@@ -45,13 +45,13 @@ pub(super) fn product(a: &Lanes, b: &Lanes) -> Lanes {
 const NOTHING: f64 = 1e-30;
 
 /// What transfer functions are divided by: M of a screen, or 1 for the camera.
-pub(super) struct Unit<'a> {
-    screen: Option<(Box<dyn SpreadKernel + 'a>, f64)>,
+pub(super) struct Unit {
+    screen: Option<(Box<dyn SpreadKernel>, f64)>,
     scale: f64,
 }
 
-impl<'a> Unit<'a> {
-    pub(super) fn new(screen: Option<Node>, optics: &Optics<'a>) -> Result<Self> {
+impl Unit {
+    pub(super) fn new(screen: Option<Node>, optics: &Optics) -> Result<Self> {
         let Some(node) = screen else { return Ok(Self { screen: None, scale: 1.0 }) };
         let kernel = optics.kernel(node.z)?;
         let least = (NOTHING * kernel.mtf(0.0).value).max(f64::MIN_POSITIVE);

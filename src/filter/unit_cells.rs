@@ -137,16 +137,14 @@ fn corner_cell(density: &Density, width_px: f64) -> [f64; 4] {
 mod tests {
     use super::*;
     use crate::medium::Medium;
-    use crate::phase::Gaussian;
     use crate::spread::Model;
 
     #[test]
     fn weights_of_all_offsets_add_up_to_the_scattered_light() {
-        let medium = Medium::new(1.0, 0.1).unwrap();
-        let phase = Gaussian::new(0.004).unwrap();
+        let medium = Medium::gaussian(1.0, 0.1, 0.004).unwrap();
         for model in [Model::SingleScatter, Model::Gaussian, Model::NarrowBeam, Model::SmallAngle] {
             for width_px in [0.02, 0.3, 1.0, 4.0] {
-                let kernel = model.kernel(&medium, &phase, 1.5).unwrap();
+                let kernel = model.kernel(&medium, 1.5).unwrap();
                 let n = (14.0 * width_px) as usize + 4;
                 let cells = UnitCells::new(&*kernel, kernel.width() / width_px, n);
                 let fold = |d: usize| if d == 0 { 1.0 } else { 2.0 };

@@ -75,24 +75,29 @@ impl Exponential {
     }
 }
 
+/// All that the approximation asks of a phase function: its mean cosine.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeanCosine(pub f64);
+
 /// The diffuse radiance I0(h) + I1(h) cos, cos to the inward normal, of beam irradiance 1.
 #[derive(Debug, Clone)]
 pub struct DiffuseField {
-    medium: Medium,
-    g: f64,
+    scaled: Medium<MeanCosine>,
     mu0: f64,
     i0: [Exponential; 3],
     i1: [Exponential; 3],
 }
 
 impl DiffuseField {
-    /// The field in `medium`, of a phase function of mean cosine `g`, lit at cosine `mu0`.
+    /// The field in `medium` lit at cosine `mu0`.
     ///
     /// # Errors
     /// None that a [`Medium`] could cause; as [`Medium::new`].
-    pub fn new(medium: Medium, g: f64, mu0: f64, bottom: Bottom) -> Result<Self> {
-        let scaled = Medium::new(medium.sigma_s() * (1.0 - g * g), medium.sigma_a())?;
-        let g = g / (1.0 + g);
+    pub fn new(medium: Medium<MeanCosine>, mu0: f64, bottom: Bottom) -> Result<Self> {
+        let MeanCosine(g) = *medium.phase();
+        let scaled_sigma_s = medium.sigma_s() * (1.0 - g * g);
+        let scaled = Medium::new(scaled_sigma_s, medium.sigma_a(), MeanCosine(g / (1.0 + g)))?;
+        let MeanCosine(g) = *scaled.phase();
         let omega = scaled.albedo().min(1.0 - LEAST_ABSORBED);
         let k = (3.0 * (1.0 - omega) * (1.0 - omega * g)).sqrt();
         let mu0 = if (k * mu0 - 1.0).abs() < RESONANCE { mu0 * (1.0 - RESONANCE) } else { mu0 };
@@ -122,22 +127,21 @@ impl DiffuseField {
             false => falling(0.0, 0.0),
         };
         Ok(Self {
-            medium: scaled,
-            g,
+            scaled,
             mu0,
             i0: [falling(a, rate), rising(c), falling(-alpha, beam)],
             i1: [falling(p * a, rate), rising(-p * c), falling(-beta, beam)],
         })
     }
 
-    /// sigma_s' and sigma_a.
-    pub fn scaled(&self) -> Medium {
-        self.medium
+    /// The medium of sigma_s', sigma_a and g'.
+    pub fn scaled(&self) -> Medium<MeanCosine> {
+        self.scaled
     }
 
     /// Share exp(-sigma_t' h/mu0) of the light that is left in the beam or its forward peak at depth `h`.
     pub fn beam(&self, h: f64) -> f64 {
-        (-self.medium.sigma_t() * h / self.mu0).exp()
+        (-self.scaled.sigma_t() * h / self.mu0).exp()
     }
 
     /// I0 at depth `h`, per beam irradiance.
@@ -158,8 +162,9 @@ impl DiffuseField {
 
     /// sigma_s' [I0 + g' cos I1] along depth: what is scattered towards `cosine` to the inward normal, per length.
     pub(super) fn source(&self, cosine: f64) -> impl Iterator<Item = Exponential> + '_ {
+        let MeanCosine(g) = *self.scaled.phase();
         let sum = move |(i0, i1): (&Exponential, &Exponential)| {
-            let coefficient = self.medium.sigma_s() * (i0.coefficient + self.g * cosine * i1.coefficient);
+            let coefficient = self.scaled.sigma_s() * (i0.coefficient + g * cosine * i1.coefficient);
             Exponential { coefficient, ..*i0 }
         };
         self.i0.iter().zip(&self.i1).map(sum)
@@ -171,7 +176,7 @@ mod tests {
     use super::*;
 
     fn field(sigma_s: f64, sigma_a: f64, g: f64, mu0: f64, bottom: Bottom) -> DiffuseField {
-        DiffuseField::new(Medium::new(sigma_s, sigma_a).unwrap(), g, mu0, bottom).unwrap()
+        DiffuseField::new(Medium::new(sigma_s, sigma_a, MeanCosine(g)).unwrap(), mu0, bottom).unwrap()
     }
 
     fn flux_up(f: &DiffuseField, h: f64) -> f64 {

@@ -25,7 +25,7 @@ mod diffuse;
 mod object;
 mod veil;
 
-pub use diffuse::{Bottom, DiffuseField};
+pub use diffuse::{Bottom, DiffuseField, MeanCosine};
 pub use object::{Shading, lit_radiance};
 pub use veil::PlaneParallel;
 

@@ -62,7 +62,6 @@ mod tests {
     use crate::geometry::{Camera, Field};
     use crate::illumination::{Bottom, Sun};
     use crate::medium::Medium;
-    use crate::phase::Gaussian;
 
     /// Distances along the rays to the plane through (0, 0, `depth`) of normal `normal`.
     fn plane(camera: Camera, size: usize, depth: f64, normal: DVec3) -> Geometry {
@@ -96,11 +95,10 @@ mod tests {
     fn a_wall_in_clear_air_reflects_the_cosine_and_behind_an_absorber_what_is_left() {
         let geometry = Geometry::planar(4, 4, 0.1, 2.0).unwrap();
         let sun = Sun::new(DVec3::new(0.0, 0.6, 0.8), DVec3::NEG_Z).unwrap();
-        let phase = Gaussian::new(0.01).unwrap();
         let white = Image::filled(4, 4, 0.5);
         for (sigma_a, left) in [(0.0, 1.0_f64), (0.3, (-0.3_f64 * 2.0 / 0.8).exp())] {
-            let medium = Medium::new(0.0, sigma_a).unwrap();
-            let light = PlaneParallel::new(sun, 3.0, Bottom::NONE, medium, &phase).unwrap();
+            let medium = Medium::gaussian(0.0, sigma_a, 0.01).unwrap();
+            let light = PlaneParallel::new(sun, 3.0, Bottom::NONE, medium).unwrap();
             for (shading, share) in
                 [(Shading::FromDepth, 0.8), (Shading::Map(Image::filled(4, 4, 0.25)), 0.25)]
             {

@@ -1,7 +1,7 @@
 //! The veil along a ray, in closed form.
 
 use super::Sun;
-use super::diffuse::{Bottom, DiffuseField, Exponential};
+use super::diffuse::{Bottom, DiffuseField, Exponential, MeanCosine};
 use crate::error::Result;
 use crate::medium::Medium;
 use crate::phase::PhaseFunction;
@@ -10,33 +10,27 @@ use std::f64::consts::PI;
 
 /// A plane-parallel medium under parallel light, one channel.
 #[derive(Debug)]
-pub struct PlaneParallel<'a> {
+pub struct PlaneParallel {
     sun: Sun,
     irradiance: f64,
     bottom: Bottom,
     medium: Medium,
-    phase: &'a dyn PhaseFunction,
     /// Without light from the bottom: the veil is light that has met no object.
     field: DiffuseField,
     /// With it: what lights objects.
     lit: DiffuseField,
 }
 
-impl<'a> PlaneParallel<'a> {
+impl PlaneParallel {
     /// `medium` under light of `irradiance` on a plane perpendicular to it.
     ///
     /// # Errors
     /// As [`DiffuseField::new`].
-    pub fn new(
-        sun: Sun,
-        irradiance: f64,
-        bottom: Bottom,
-        medium: Medium,
-        phase: &'a dyn PhaseFunction,
-    ) -> Result<Self> {
-        let field = |bottom| DiffuseField::new(medium, phase.mean_cosine(), sun.mu0(), bottom);
+    pub fn new(sun: Sun, irradiance: f64, bottom: Bottom, medium: Medium) -> Result<Self> {
+        let coarse = medium.with_phase(MeanCosine(medium.phase().mean_cosine()));
+        let field = |bottom| DiffuseField::new(coarse, sun.mu0(), bottom);
         let (field, lit) = (field(bottom.black())?, field(bottom)?);
-        Ok(Self { sun, irradiance, bottom, medium, phase, field, lit })
+        Ok(Self { sun, irradiance, bottom, medium, field, lit })
     }
 
     /// The light and the surface.
@@ -62,7 +56,7 @@ impl<'a> PlaneParallel<'a> {
 
     /// J(h) of beam irradiance 1, towards the camera.
     fn source(&self, ray: DVec3) -> impl Iterator<Item = Exponential> + '_ {
-        let p = self.phase.eval(-ray.dot(self.sun.direction()));
+        let p = self.medium.phase().eval(-ray.dot(self.sun.direction()));
         let once = Exponential {
             coefficient: self.medium.sigma_s() * p / (4.0 * PI),
             offset: 0.0,
@@ -96,14 +90,13 @@ mod tests {
     use crate::phase::Gaussian;
     use crate::quadrature::integrate;
 
-    fn scene<'a>(
-        phase: &'a Gaussian,
-        (sigma_s, sigma_a): (f64, f64),
-        direction: DVec3,
-        bottom: Bottom,
-    ) -> PlaneParallel<'a> {
+    fn scene(medium: Medium, direction: DVec3, bottom: Bottom) -> PlaneParallel {
         let sun = Sun::new(direction, DVec3::new(0.1, -0.2, -1.0)).unwrap();
-        PlaneParallel::new(sun, 2.0, bottom, Medium::new(sigma_s, sigma_a).unwrap(), phase).unwrap()
+        PlaneParallel::new(sun, 2.0, bottom, medium).unwrap()
+    }
+
+    fn medium(sigma_s: f64, sigma_a: f64, phase: Gaussian) -> Medium {
+        Medium::new(sigma_s, sigma_a, phase.into()).unwrap()
     }
 
     fn ray() -> DVec3 {
@@ -118,7 +111,7 @@ mod tests {
             (Bottom::new(3.0, 0.5).unwrap(), 2.5),
             (Bottom::new(1.0, 0.5).unwrap(), 0.01),
         ] {
-            let s = scene(&phase, (1.2, 0.2), DVec3::new(0.4, 0.1, 0.8), bottom);
+            let s = scene(medium(1.2, 0.2, phase), DVec3::new(0.4, 0.1, 0.8), bottom);
             let (n, f) = (s.sun.normal(), &s.field);
             let (mu, sigma_t) = (-ray().dot(n), f.scaled().sigma_t());
             let p = phase.eval(-ray().dot(s.sun.direction()));
@@ -137,12 +130,12 @@ mod tests {
     #[test]
     fn a_thin_veil_is_single_scattering() {
         let phase = Gaussian::new(2.0).unwrap();
-        let s = scene(&phase, (1e-5, 0.0), DVec3::new(0.4, 0.1, 0.8), Bottom::new(1.0, 0.0).unwrap());
+        let s = scene(medium(1e-5, 0.0, phase), DVec3::new(0.4, 0.1, 0.8), Bottom::new(1.0, 0.0).unwrap());
         let wanted = 2.0 * 1e-5 * phase.pdf(-ray().dot(s.sun.direction())) * 0.7;
         // What is scattered twice is of order tau.
         assert!((s.veil(ray(), 0.7) / wanted - 1.0).abs() < 1e-4);
-        assert_eq!(scene(&phase, (0.0, 0.3), DVec3::Z, Bottom::NONE).veil(ray(), 1.0), 0.0);
-        assert_eq!(scene(&phase, (0.0, 0.0), DVec3::Z, Bottom::NONE).veil(ray(), f64::INFINITY), 0.0);
+        assert_eq!(scene(medium(0.0, 0.3, phase), DVec3::Z, Bottom::NONE).veil(ray(), 1.0), 0.0);
+        assert_eq!(scene(medium(0.0, 0.0, phase), DVec3::Z, Bottom::NONE).veil(ray(), f64::INFINITY), 0.0);
     }
 
     #[test]
@@ -153,9 +146,9 @@ mod tests {
         let normal = DVec3::NEG_Z;
         let (a, b) = (DVec3::new(0.5, 0.0, 1.0).normalize(), DVec3::new(-0.1, 0.3, 1.0).normalize());
         let veil = |light: DVec3, ray: DVec3| {
-            let medium = Medium::new(1e-6, 1.0).unwrap();
+            let medium = medium(1e-6, 1.0, phase);
             let sun = Sun::new(light, normal).unwrap();
-            let s = PlaneParallel::new(sun, 1.0, Bottom::NONE, medium, &phase).unwrap();
+            let s = PlaneParallel::new(sun, 1.0, Bottom::NONE, medium).unwrap();
             s.veil(ray, f64::INFINITY) / sun.mu0()
         };
         assert!((veil(a, b) / veil(b, a) - 1.0).abs() < 1e-6);
@@ -164,7 +157,7 @@ mod tests {
     #[test]
     fn a_veil_grows_with_the_path_and_ends_at_the_bottom() {
         let phase = Gaussian::new(0.05).unwrap();
-        let s = scene(&phase, (2.0, 0.1), DVec3::new(0.4, 0.1, 0.8), Bottom::new(3.0, 0.3).unwrap());
+        let s = scene(medium(2.0, 0.1, phase), DVec3::new(0.4, 0.1, 0.8), Bottom::new(3.0, 0.3).unwrap());
         let veils: Vec<f64> = [0.0, 0.5, 1.0, 2.0, 1e3, f64::INFINITY].map(|z| s.veil(ray(), z)).to_vec();
         assert!(veils[0] == 0.0 && veils.windows(2).take(4).all(|w| w[0] < w[1]) && veils[4] == veils[5]);
     }

@@ -10,7 +10,8 @@ use crate::filter::{Backend, Filter};
 use crate::geometry::{Camera, Field, Geometry};
 use crate::illumination::{Bottom, Shading, Sun};
 use crate::image::{Border, Channel, Image, View};
-use crate::scene::{Illumination, MediumValues, Scene};
+use crate::medium::Medium;
+use crate::scene::{Illumination, LitScene, Scene};
 use crate::spread::Model;
 use crate::synthesis::{Synthesis, synthesize};
 use glam::{DVec2, DVec3};
@@ -37,11 +38,7 @@ const LIGHT: DVec3 = DVec3::new(0.5, 0.35, -1.0);
 const IRRADIANCE: [f64; 3] = [3.2, 3.0, 2.8];
 
 /// sigma_s, sigma_a (1/cm) and B = (1 - g)/2 of red, green and blue.
-const MEDIA: [MediumValues; 3] = [
-    MediumValues::gaussian(0.1312, 2.87e-5, 0.034),
-    MediumValues::gaussian(0.1544, 5.75e-5, 0.049),
-    MediumValues::gaussian(0.1796, 1.15e-4, 0.0705),
-];
+const MEDIA: [[f64; 3]; 3] = [[0.1312, 2.87e-5, 0.034], [0.1544, 5.75e-5, 0.049], [0.1796, 1.15e-4, 0.0705]];
 
 /// A ball of `radius` with stripes of two colours.
 struct Ball {
@@ -106,7 +103,7 @@ fn to_camera(v: DVec3) -> DVec3 {
 ///
 /// # Errors
 /// None but those of constants out of range.
-pub fn scene(side: usize) -> Result<(Scene, [MediumValues; 3])> {
+pub fn scene(side: usize) -> Result<(LitScene, Vec<Medium>)> {
     let (s, c) = TILT.sin_cos();
     let along = DVec3::new(0.0, s, -c);
     let pitch = WIDTH / side as f64;
@@ -130,7 +127,6 @@ pub fn scene(side: usize) -> Result<(Scene, [MediumValues; 3])> {
     let scene = Scene {
         path: PathBuf::from("figure 8"),
         object: (0..3).map(colour).collect(),
-        shading: Some(Shading::Map(image(&|x, y| lit(&hit(x, y))))),
         behind: vec![Vec::new(); 3],
         geometry: Geometry {
             width: side,
@@ -143,17 +139,18 @@ pub fn scene(side: usize) -> Result<(Scene, [MediumValues; 3])> {
         depth_error: 0.0,
         border: Border::Clamp,
         view: View::whole(side, side),
-        observation: None,
         medium: Vec::new(),
-        illumination: Some(Illumination::Parallel {
-            sun: Sun::new(to_camera(LIGHT), to_camera(DVec3::Z))?,
-            irradiance: IRRADIANCE.to_vec(),
-            bottom: mean.map(|reflectance| Bottom::new(FLOOR, reflectance)).collect::<Result<_>>()?,
-        }),
         fit: Vec::new(),
     };
     scene.geometry.check()?;
-    Ok((scene, MEDIA))
+    let shading = Some(Shading::Map(image(&|x, y| lit(&hit(x, y)))));
+    let illumination = Illumination::Parallel {
+        sun: Sun::new(to_camera(LIGHT), to_camera(DVec3::Z))?,
+        irradiance: IRRADIANCE.to_vec(),
+        bottom: mean.map(|reflectance| Bottom::new(FLOOR, reflectance)).collect::<Result<_>>()?,
+    };
+    let media = MEDIA.map(|[sigma_s, sigma_a, b]| Medium::gaussian(sigma_s, sigma_a, b));
+    Ok((LitScene { scene, shading, illumination }, media.into_iter().collect::<Result<_>>()?))
 }
 
 /// Side of the image, px.
@@ -168,7 +165,7 @@ pub fn side(effort: Effort) -> usize {
 ///
 /// # Errors
 /// As [`synthesize`].
-pub fn pictures(scene: &Scene, media: &[MediumValues]) -> Result<Vec<(Model, Synthesis)>> {
+pub fn pictures(scene: &LitScene, media: &[Medium]) -> Result<Vec<(Model, Synthesis)>> {
     let by = |model| Ok((model, synthesize(scene, media, model, Filter::Eq29, Backend::Cpu)?));
     MODELS.into_iter().map(by).collect()
 }

@@ -4,7 +4,7 @@ use super::models;
 use crate::compare::{RmsError, rms_error};
 use crate::error::{Error, Result};
 use crate::medium::Medium;
-use crate::phase::{Gaussian, b_of_spread_angle};
+use crate::phase::b_of_spread_angle;
 use crate::spread::{Model, SpreadKernel};
 use crate::trace::{Estimate, RadialConfig, RadialProfile, trace_radial};
 use rayon::prelude::*;
@@ -62,8 +62,8 @@ impl Experiment {
     /// # Errors
     /// [`Error::OutOfRange`] for an experiment that makes no sense; [`Error::NotFinite`] with model and place.
     pub fn run(&self, progress: &(dyn Fn(u64) + Sync)) -> Result<Vec<Rings>> {
-        let medium = Medium::new(self.albedo, 1.0 - self.albedo)?;
-        let phase = Gaussian::new(b_of_spread_angle(self.spread_angle_deg.to_radians()))?;
+        let b = b_of_spread_angle(self.spread_angle_deg.to_radians());
+        let medium = Medium::gaussian(self.albedo, 1.0 - self.albedo, b)?;
         let widest = self.planes.iter().map(|p| p.steps).max().unwrap_or(0);
         let config = RadialConfig {
             medium,
@@ -72,10 +72,10 @@ impl Experiment {
             paths: self.paths,
             seed: self.seed,
         };
-        let profiles = trace_radial(&config, &phase, progress)?;
+        let profiles = trace_radial(&config, progress)?;
         let kernels = |z: f64, width: f64| -> Result<Vec<(Model, Vec<f64>)>> {
             let of = |model: Model| {
-                let kernel = model.kernel(&medium, &phase, z)?;
+                let kernel = model.kernel(&medium, z)?;
                 Ok((model, light_per_radius(model, &*kernel, self.rings, width)?))
             };
             models().map(of).collect()

@@ -1,14 +1,13 @@
-//! Families of phase functions with one parameter: what a scene names, and whose parameter, the *shape*, a fit estimates.
+//! Families of phase functions with one parameter: what a scene names, and whose parameter a fit estimates.
 //!
-//! | family | shape | coordinate of a fit | planar width | square angle |
+//! | family | parameter | coordinate of a fit | planar width | mean-square scattering angle |
 //! | --- | --- | --- | --- | --- |
 //! | `gaussian` | B, rad² | ln B | sqrt(B) | 4B |
 //! | `hg` | g | ln(1 - g) | a = (1-g)/sqrt(g) | 2(1 - g) |
 //!
-//! The coordinates have no bounds of their own, and in both a standard error is a relative one: of B, or of the lobe's angular
-//! width, which is nearly 1 - g. The *square angle* stands for the mean square of one deflection: twice the mean of
-//! 1 - cos theta is that to lowest order in the angle, 4B for a narrow Gaussian; unlike the planar second moment it is finite
-//! for both.
+//! The coordinates have no bounds of their own, and in both a standard error is a relative one: of B, or of the
+//! angular width, which is nearly 1 - g. The *mean-square scattering angle* is that of one deflection to lowest order in the
+//! angle, twice the mean of 1 - cos theta: 4B for a narrow Gaussian. Unlike the planar second moment it is finite for both.
 
 use super::{Gaussian, HenyeyGreenstein, PhaseFunction};
 use crate::error::{Error, Result};
@@ -37,15 +36,15 @@ impl Family {
         }
     }
 
-    /// Name of the shape in scene files, on the command line and in reports.
-    pub const fn parameter(self) -> &'static str {
+    /// Name of the parameter in scene files, on the command line and in reports.
+    pub const fn parameter_name(self) -> &'static str {
         match self {
             Family::Gaussian => "b",
             Family::HenyeyGreenstein => "g",
         }
     }
 
-    /// Unit of the shape.
+    /// Unit of the parameter.
     pub fn unit(self) -> &'static str {
         match self {
             Family::Gaussian => "rad²",
@@ -53,11 +52,11 @@ impl Family {
         }
     }
 
-    /// Whether there is a lobe of this shape, be it wider than [`lobe`](Self::lobe) takes.
-    pub fn allows(self, shape: f64) -> bool {
+    /// Whether there is a phase function of this parameter, even if it is wider than [`phase`](Self::phase) takes.
+    pub fn allows(self, parameter: f64) -> bool {
         match self {
-            Family::Gaussian => shape.is_finite() && shape > 0.0,
-            Family::HenyeyGreenstein => shape > 0.0 && shape < 1.0,
+            Family::Gaussian => parameter.is_finite() && parameter > 0.0,
+            Family::HenyeyGreenstein => parameter > 0.0 && parameter < 1.0,
         }
     }
 
@@ -69,42 +68,42 @@ impl Family {
         }
     }
 
-    /// The phase function of this shape.
+    /// The phase function of this parameter.
     ///
     /// # Errors
     /// As [`Gaussian::new`] and [`HenyeyGreenstein::new`].
-    pub fn lobe(self, shape: f64) -> Result<Lobe> {
+    pub fn phase(self, parameter: f64) -> Result<Phase> {
         Ok(match self {
-            Family::Gaussian => Lobe::Gaussian(Gaussian::new(shape)?),
-            Family::HenyeyGreenstein => Lobe::HenyeyGreenstein(HenyeyGreenstein::new(shape)?),
+            Family::Gaussian => Phase::Gaussian(Gaussian::new(parameter)?),
+            Family::HenyeyGreenstein => Phase::HenyeyGreenstein(HenyeyGreenstein::new(parameter)?),
         })
     }
 
-    /// Coordinate of a shape: ln B, ln(1 - g).
-    pub fn coordinate(self, shape: f64) -> f64 {
+    /// Coordinate of a parameter: ln B, ln(1 - g).
+    pub fn coordinate(self, parameter: f64) -> f64 {
         match self {
-            Family::Gaussian => shape.ln(),
-            Family::HenyeyGreenstein => (-shape).ln_1p(),
+            Family::Gaussian => parameter.ln(),
+            Family::HenyeyGreenstein => (-parameter).ln_1p(),
         }
     }
 
-    /// Shape of a coordinate.
-    pub fn shape(self, coordinate: f64) -> f64 {
+    /// Parameter at a coordinate.
+    pub fn parameter_at(self, coordinate: f64) -> f64 {
         match self {
             Family::Gaussian => coordinate.exp(),
             Family::HenyeyGreenstein => -coordinate.exp_m1(),
         }
     }
 
-    /// Derivative of the shape in its coordinate.
-    pub fn slope(self, shape: f64) -> f64 {
+    /// Derivative of the parameter in its coordinate.
+    pub fn slope(self, parameter: f64) -> f64 {
         match self {
-            Family::Gaussian => shape,
-            Family::HenyeyGreenstein => shape - 1.0,
+            Family::Gaussian => parameter,
+            Family::HenyeyGreenstein => parameter - 1.0,
         }
     }
 
-    /// Shape of the lobe of this [planar width](PhaseFunction::planar_width), rad.
+    /// Parameter of the phase function of this [planar width](PhaseFunction::planar_width), rad.
     pub fn of_width(self, width: f64) -> f64 {
         match self {
             Family::Gaussian => width * width,
@@ -113,16 +112,16 @@ impl Family {
         }
     }
 
-    /// Square angle of a shape, rad².
-    pub fn square_angle(self, shape: f64) -> f64 {
+    /// Mean-square scattering angle of a parameter, rad².
+    pub fn mean_square_angle(self, parameter: f64) -> f64 {
         match self {
-            Family::Gaussian => 4.0 * shape,
-            Family::HenyeyGreenstein => 2.0 * (1.0 - shape),
+            Family::Gaussian => 4.0 * parameter,
+            Family::HenyeyGreenstein => 2.0 * (1.0 - parameter),
         }
     }
 
-    /// Formula of the square angle.
-    pub fn square_angle_formula(self) -> &'static str {
+    /// Formula of the mean-square scattering angle.
+    pub fn mean_square_angle_formula(self) -> &'static str {
         match self {
             Family::Gaussian => "4B",
             Family::HenyeyGreenstein => "2(1-g)",
@@ -152,32 +151,44 @@ impl FromStr for Family {
     }
 }
 
-/// A phase function of either family.
+/// The phase function of a medium, of either family.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Lobe {
+pub enum Phase {
     /// A Gaussian.
     Gaussian(Gaussian),
     /// One of Henyey and Greenstein's.
     HenyeyGreenstein(HenyeyGreenstein),
 }
 
-/// Asks the phase function that a lobe is.
+/// Asks the phase function of whichever family.
 macro_rules! ask {
-    ($lobe:expr, $phase:ident => $answer:expr) => {
-        match $lobe {
-            Lobe::Gaussian($phase) => $answer,
-            Lobe::HenyeyGreenstein($phase) => $answer,
+    ($either:expr, $phase:ident => $answer:expr) => {
+        match $either {
+            Phase::Gaussian($phase) => $answer,
+            Phase::HenyeyGreenstein($phase) => $answer,
         }
     };
 }
 
-impl PhaseFunction for Lobe {
+impl From<Gaussian> for Phase {
+    fn from(phase: Gaussian) -> Self {
+        Phase::Gaussian(phase)
+    }
+}
+
+impl From<HenyeyGreenstein> for Phase {
+    fn from(phase: HenyeyGreenstein) -> Self {
+        Phase::HenyeyGreenstein(phase)
+    }
+}
+
+impl PhaseFunction for Phase {
     fn family(&self) -> Family {
         ask!(self, phase => phase.family())
     }
 
-    fn shape(&self) -> f64 {
-        ask!(self, phase => phase.shape())
+    fn parameter(&self) -> f64 {
+        ask!(self, phase => phase.parameter())
     }
 
     fn eval(&self, cos_theta: f64) -> f64 {
@@ -230,15 +241,15 @@ impl PhaseFunction for Lobe {
     }
 }
 
-impl fmt::Display for Lobe {
+impl fmt::Display for Phase {
     /// As pictures are headed: by the spread angle, to a thousandth of a degree, or g.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Lobe::Gaussian(phase) => {
+            Phase::Gaussian(phase) => {
                 let degrees = (1e3 * phase.spread_angle().to_degrees()).round() / 1e3;
                 write!(f, "spread angle {degrees}°")
             }
-            Lobe::HenyeyGreenstein(phase) => write!(f, "Henyey-Greenstein, g {}", phase.mean_cosine()),
+            Phase::HenyeyGreenstein(phase) => write!(f, "Henyey-Greenstein, g {}", phase.mean_cosine()),
         }
     }
 }
@@ -248,41 +259,41 @@ mod tests {
     use super::*;
 
     #[test]
-    fn coordinates_lead_to_shapes_and_back() {
-        for (family, shapes) in
+    fn coordinates_lead_to_parameters_and_back() {
+        for (family, parameters) in
             [(Family::Gaussian, [1e-6, 0.01, 0.3]), (Family::HenyeyGreenstein, [0.3, 0.9, 0.9999])]
         {
-            for shape in shapes {
-                let u = family.coordinate(shape);
-                assert!((family.shape(u) / shape - 1.0).abs() < 1e-12, "{family} {shape}");
-                let difference = (family.shape(u + 1e-5) - family.shape(u - 1e-5)) / 2e-5;
-                assert!((family.slope(shape) / difference - 1.0).abs() < 1e-6, "{family} {shape}");
-                let width = family.lobe(shape).unwrap().planar_width();
-                assert!((family.of_width(width) / shape - 1.0).abs() < 1e-12, "{family} {shape}");
+            for parameter in parameters {
+                let u = family.coordinate(parameter);
+                assert!((family.parameter_at(u) / parameter - 1.0).abs() < 1e-12, "{family} {parameter}");
+                let difference = (family.parameter_at(u + 1e-5) - family.parameter_at(u - 1e-5)) / 2e-5;
+                assert!((family.slope(parameter) / difference - 1.0).abs() < 1e-6, "{family} {parameter}");
+                let width = family.phase(parameter).unwrap().planar_width();
+                assert!((family.of_width(width) / parameter - 1.0).abs() < 1e-12, "{family} {parameter}");
             }
         }
     }
 
     #[test]
-    fn square_angles_are_twice_what_the_mean_cosine_lacks() {
-        for (family, shape) in [(Family::Gaussian, 1e-4), (Family::HenyeyGreenstein, 0.8)] {
-            let lacking = 1.0 - family.lobe(shape).unwrap().mean_cosine();
+    fn mean_square_angles_are_twice_what_the_mean_cosine_lacks() {
+        for (family, parameter) in [(Family::Gaussian, 1e-4), (Family::HenyeyGreenstein, 0.8)] {
+            let lacking = 1.0 - family.phase(parameter).unwrap().mean_cosine();
             // Of the Gaussian to first order in B.
-            assert!((family.square_angle(shape) / (2.0 * lacking) - 1.0).abs() < 1e-3, "{family}");
+            assert!((family.mean_square_angle(parameter) / (2.0 * lacking) - 1.0).abs() < 1e-3, "{family}");
         }
     }
 
     #[test]
-    fn a_lobe_is_the_phase_function_that_it_holds() {
+    fn a_phase_of_either_family_is_the_phase_function_that_it_holds() {
         let bare = HenyeyGreenstein::new(0.9).unwrap();
-        let lobe = Family::HenyeyGreenstein.lobe(0.9).unwrap();
-        assert_eq!((lobe.eval(0.3), lobe.planar_width()), (bare.eval(0.3), bare.planar_width()));
-        assert_eq!((lobe.family(), lobe.shape()), (Family::HenyeyGreenstein, 0.9));
+        let either = Family::HenyeyGreenstein.phase(0.9).unwrap();
+        assert_eq!((either.eval(0.3), either.planar_width()), (bare.eval(0.3), bare.planar_width()));
+        assert_eq!((either.family(), either.parameter()), (Family::HenyeyGreenstein, 0.9));
         let draw = |phase: &dyn Fn(&mut dyn FnMut() -> f32) -> [f32; 4]| {
             let mut numbers = [0.3_f32, 0.6].into_iter();
             phase(&mut || numbers.next().unwrap())
         };
-        assert_eq!(draw(&|u| lobe.sample(&mut || u())), draw(&|u| bare.sample(&mut || u())));
+        assert_eq!(draw(&|u| either.sample(&mut || u())), draw(&|u| bare.sample(&mut || u())));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //!
 //! On the sphere it is normalised exactly, for any width. In the small-angle limit it is
 //! p(s) = (1/B) exp(-s²/(4B)) on the plane of slopes (Shinya et al., eq. 9), with Phat(q) = exp(-B q²) (their
-//! eq. 10) and F(q) = sqrt(pi) erf(x)/(2x), x = sqrt(B) q. For narrow lobes g ≈ 1 - 2B.
+//! eq. 10) and F(q) = sqrt(pi) erf(x)/(2x), x = sqrt(B) q. For narrow ones g ≈ 1 - 2B.
 
 use super::{Family, PhaseFunction};
 use crate::error::{Result, in_range};
@@ -17,7 +17,7 @@ pub struct Gaussian {
     peak: f64,
 }
 
-/// Widest lobe, rad²: scattering is isotropic to a percent, and the sampler still accepts one draw in eighty.
+/// Largest B, rad²: scattering is isotropic to a percent, and the sampler still accepts one draw in eighty.
 const WIDEST: f64 = 100.0;
 
 /// Below this x, F(x) and its derivative are summed as series: the closed forms cancel.
@@ -55,10 +55,10 @@ impl Gaussian {
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless `b` is above 0 and at most 100 rad².
     pub fn new(b: f64) -> Result<Self> {
         let b = in_range("b", b, b > 0.0 && b <= WIDEST, "above 0 and at most 100 (rad²)")?;
-        // The lobe is smooth on the scale of its own width; beyond ten widths it holds exp(-100).
+        // The integrand is smooth on the scale of its own width; beyond ten widths it holds exp(-100).
         let end = PI.min(20.0 * b.sqrt());
-        let lobe = integrate(0.0, end, 8, |theta| (-theta * theta / (4.0 * b)).exp() * theta.sin());
-        Ok(Self { b, peak: 2.0 / lobe })
+        let norm = integrate(0.0, end, 8, |theta| (-theta * theta / (4.0 * b)).exp() * theta.sin());
+        Ok(Self { b, peak: 2.0 / norm })
     }
 
     /// Width B, rad².
@@ -84,7 +84,7 @@ impl PhaseFunction for Gaussian {
         Family::Gaussian
     }
 
-    fn shape(&self) -> f64 {
+    fn parameter(&self) -> f64 {
         self.b
     }
 
@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn narrow_lobes_have_mean_cosine_one_minus_two_b() {
+    fn narrow_ones_have_mean_cosine_one_minus_two_b() {
         let g = Gaussian::new(1e-3).unwrap().mean_cosine();
         // The next term of the expansion is of order B².
         assert!((g - (1.0 - 2e-3)).abs() < 1e-5, "{g}");

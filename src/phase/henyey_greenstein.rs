@@ -28,7 +28,7 @@ impl PhaseFunction for HenyeyGreenstein {
         Family::HenyeyGreenstein
     }
 
-    fn shape(&self) -> f64 {
+    fn parameter(&self) -> f64 {
         self.g
     }
 

@@ -4,7 +4,7 @@
 //! mean cosine of a forward-scattering medium is positive. `eval` is normalised as in Shinya et al.,
 //! (1/4pi) ∫ p dOmega = 1; `pdf` = p / 4pi is the density per steradian.
 //!
-//! Small-angle theory needs the *planar* phase function, the same lobe laid out on the plane of slopes s, through
+//! Small-angle theory needs the *planar* phase function, the same one laid out on the plane of slopes s, through
 //! its transform Phat(q) and the mean of that over the path,
 //! F(q) = (1/q) ∫_0^q Phat(t) dt, since sigma_s ∫_0^z Phat(k u) du = sigma_s z F(k z).
 
@@ -12,7 +12,7 @@ mod family;
 mod gaussian;
 mod henyey_greenstein;
 
-pub use family::{Family, Lobe};
+pub use family::{Family, Phase};
 pub use gaussian::{Gaussian, b_of_spread_angle, encircled_erfc, mean_gaussian, mean_gaussian_slope};
 pub use henyey_greenstein::HenyeyGreenstein;
 
@@ -22,7 +22,7 @@ pub trait PhaseFunction: Send + Sync + std::fmt::Debug {
     fn family(&self) -> Family;
 
     /// Its parameter in that family: B, rad², or g.
-    fn shape(&self) -> f64;
+    fn parameter(&self) -> f64;
 
     /// p(cos theta), with (1/4pi) ∫ p dOmega = 1.
     fn eval(&self, cos_theta: f64) -> f64;
@@ -45,19 +45,19 @@ pub trait PhaseFunction: Send + Sync + std::fmt::Debug {
     /// Phat(q): transform of the planar phase function, Phat(0) = 1.
     fn planar_transform(&self, q: f64) -> f64;
 
-    /// dPhat/d(shape) at `q`.
+    /// dPhat/d(parameter) at `q`.
     fn planar_transform_derivative(&self, q: f64) -> f64;
 
     /// F(q) = (1/q) ∫_0^q Phat(t) dt, F(0) = 1.
     fn mean_planar_transform(&self, q: f64) -> f64;
 
-    /// dF/d(shape) at `q`.
+    /// dF/d(parameter) at `q`.
     fn mean_planar_transform_derivative(&self, q: f64) -> f64;
 
-    /// The angle on which the planar lobe varies: sqrt(B) or a, rad.
+    /// The angle on which the planar phase function varies: sqrt(B) or a, rad.
     fn planar_width(&self) -> f64;
 
-    /// Its derivative in the shape.
+    /// Its derivative in the parameter.
     fn planar_width_derivative(&self) -> f64;
 
     /// Planar second moment <s²>, rad²; `None` where it is infinite.

@@ -12,13 +12,13 @@ pub(super) fn read_fit(source: &Source, section: &FitSection, channels: usize) -
     let key = "[fit] phase";
     let family = family(source, key, section.phase.as_deref())?.unwrap_or_default();
     for (table, given) in [
-        ("start", shapes(&section.start)),
-        ("fixed", shapes(&section.fixed)),
-        ("bounds", shapes(&section.bounds)),
+        ("start", phase_parameters(&section.start)),
+        ("fixed", phase_parameters(&section.fixed)),
+        ("bounds", phase_parameters(&section.bounds)),
     ] {
         for other in Family::ALL.into_iter().filter(|f| *f != family) {
-            if given.contains(&other.parameter()) {
-                let (name, wrong, right) = (family.name(), other.parameter(), family.parameter());
+            if given.contains(&other.parameter_name()) {
+                let (name, wrong, right) = (family.name(), other.parameter_name(), family.parameter_name());
                 let message = format!("[fit] {table} {wrong} is given, but {key} = \"{name}\" has {right}");
                 return Err(source.error(message));
             }
@@ -36,7 +36,7 @@ fn channel_options(
     let mut options = FitOptions { family, ..FitOptions::default() };
     let (start, fixed) = (in_order(&section.start), in_order(&section.fixed));
     let bounds = in_order(&section.bounds);
-    for (p, name) in ["sigma_s", "sigma_a", family.parameter()].into_iter().enumerate() {
+    for (p, name) in ["sigma_s", "sigma_a", family.parameter_name()].into_iter().enumerate() {
         // The logarithm of sigma_s is fitted, sigma_a may be 0.
         let check = |key: &str, v: f64| match p {
             0 => source.positive(key, v),
@@ -48,7 +48,7 @@ fn channel_options(
             channel_value(source, &key, numbers, i, channels)?.map(|v| check(&key, v)).transpose()
         };
         options.start[p] = value("start", start[p])?;
-        // A parameter that is held may be 0 even if its logarithm would be fitted; the shape has no kernel at 0.
+        // A parameter that is held may be 0 even if its logarithm would be fitted; a phase function has no width 0.
         let key = format!("[fit] fixed {name}");
         let held = channel_value(source, &key, fixed[p], i, channels)?;
         let allowed = |v| if p == 2 { check(&key, v) } else { source.non_negative(&key, v) };
@@ -78,16 +78,16 @@ fn channel_options(
     Ok(options)
 }
 
-/// The keys of `table` that are shapes of a phase function.
-fn shapes<T>(table: &PerParameter<T>) -> Vec<&'static str> {
+/// The keys of `table` that are parameters of a phase function.
+fn phase_parameters<T>(table: &PerParameter<T>) -> Vec<&'static str> {
     let given = |family: &Family| match family {
         Family::Gaussian => table.b.is_some(),
         Family::HenyeyGreenstein => table.g.is_some(),
     };
-    Family::ALL.into_iter().filter(given).map(Family::parameter).collect()
+    Family::ALL.into_iter().filter(given).map(Family::parameter_name).collect()
 }
 
-/// sigma_s, sigma_a and whichever shape is given: the other is refused before.
+/// sigma_s, sigma_a and whichever phase-function parameter is given: the other is refused before.
 fn in_order<T: Copy>(table: &PerParameter<T>) -> [Option<T>; 3] {
     [table.sigma_s, table.sigma_a, table.b.or(table.g)]
 }

@@ -1,72 +1,51 @@
 //! `[illumination]`, and the object that lies in its light.
 
 use super::format::{IlluminationSection, Numbers, ObjectSection};
-use super::images::{check_pixels, check_radiance, check_size, radiance};
+use super::images::{ObjectImage, check_pixels, check_radiance, check_size};
 use super::medium::channel_value;
 use super::source::Source;
-use super::{Illumination, Purpose};
+use super::{Illumination, Scene};
 use crate::error::Result;
 use crate::geometry::Geometry;
 use crate::illumination::{Bottom, Shading, Sun};
-use crate::image::{Channel, View};
 use crate::io::exr::ExrFile;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 
-/// The object image: its radiances, or its reflectances and how they are lit.
-pub(super) struct Object {
-    pub path: PathBuf,
-    pub channels: Vec<Channel>,
-    pub shading: Option<Shading>,
-}
-
-/// Reads `[object] radiance`, or `reflectance` and `shading`.
-pub(super) fn read_object(source: &Source, section: &ObjectSection, purpose: Purpose) -> Result<Object> {
-    match (&section.radiance, &section.reflectance) {
-        (Some(_), Some(_)) => Err(source.error("[object] radiance and reflectance are both given: leave one")),
-        (None, None) => Err(source.error("[object] radiance is missing")),
-        (Some(_), None) if section.shading.is_some() => {
-            Err(source.error("[object] shading is given, but no reflectance"))
-        }
-        (Some(named), None) => {
-            let path = source.resolve(named);
-            Ok(Object { channels: radiance(&path)?, path, shading: None })
-        }
-        (None, Some(_)) if purpose != Purpose::Synthesize => Err(source.error(
-            "[object] radiance is missing: only synthesize takes a reflectance, which the medium's light lights",
-        )),
-        (None, Some(_)) if !section.layer.is_empty() => {
-            Err(source.error("[[object.layer]] is given, but [object] reflectance has no layers"))
-        }
-        (None, Some(named)) => {
-            let path = source.resolve(named);
-            let channels = ExrFile::read(&path)?.radiance()?;
-            for channel in &channels {
-                check_pixels(&path, channel, "between 0 and 1, a reflectance", |v| (0.0..=1.0).contains(&v))?;
-            }
-            let shading = match &section.shading {
-                None => Shading::FromDepth,
-                Some(named) => read_shading(source.resolve(named), &path, &channels[0])?,
-            };
-            Ok(Object { path, channels, shading: Some(shading) })
-        }
+/// Reads `[object] reflectance`, the file `named`, and how it is lit.
+pub(super) fn read_reflectance(
+    source: &Source,
+    section: &ObjectSection,
+    named: &Path,
+) -> Result<(ObjectImage, Shading)> {
+    if !section.layer.is_empty() {
+        return Err(source.error("[[object.layer]] is given, but [object] reflectance has no layers"));
     }
+    let path = source.resolve(named);
+    let channels = ExrFile::read(&path)?.radiance()?;
+    for channel in &channels {
+        check_pixels(&path, channel, "between 0 and 1, a reflectance", |v| (0.0..=1.0).contains(&v))?;
+    }
+    let object = ObjectImage { path, channels };
+    let shading = match &section.shading {
+        None => Shading::FromDepth,
+        Some(named) => read_shading(source.resolve(named), &object)?,
+    };
+    Ok((object, shading))
 }
 
-fn read_shading(path: PathBuf, object_path: &Path, object: &Channel) -> Result<Shading> {
+fn read_shading(path: PathBuf, object: &ObjectImage) -> Result<Shading> {
     let channel = ExrFile::read(&path)?.single()?;
-    let size = (object.image.width, object.image.height);
-    check_size(&path, &channel.image, size, &format!("the object image {}", object_path.display()))?;
+    object.frame().check(&path, &channel.image, "the object image")?;
     check_pixels(&path, &channel, "between 0 and 1", |v| (0.0..=1.0).contains(&v))?;
     Ok(Shading::Map(channel.image))
 }
 
-/// Reads `[illumination]` for `object` at `geometry`; `lit`: whether it lends the object its light.
+/// Reads `[illumination]` of `scene`; `lit`: whether it lends the object its light.
 pub(super) fn read_illumination(
     source: &Source,
     section: Option<&IlluminationSection>,
-    object: &[Channel],
-    (geometry, view): (&Geometry, View),
+    scene: &Scene,
     lit: bool,
 ) -> Result<Illumination> {
     let Some(section) = section else {
@@ -96,20 +75,16 @@ pub(super) fn read_illumination(
                 }
             }
             let path = source.resolve(named);
-            let names: Vec<&str> = object.iter().map(|c| c.name.as_str()).collect();
+            let names: Vec<&str> = scene.object.iter().map(|c| c.name.as_str()).collect();
             let channels = ExrFile::read(&path)?.channels(&names)?;
             for channel in &channels {
-                check_size(
-                    &path,
-                    &channel.image,
-                    (view.width, view.height),
-                    "[illumination] image: the view",
-                )?;
+                let size = (scene.view.width, scene.view.height);
+                check_size(&path, &channel.image, size, "[illumination] image: the view")?;
             }
             check_radiance(&path, &channels)?;
             Ok(Illumination::Veil(channels))
         }
-        (None, Some(direction)) => parallel(source, section, direction, object.len(), geometry),
+        (None, Some(direction)) => parallel(source, section, direction, scene),
     }
 }
 
@@ -117,9 +92,9 @@ fn parallel(
     source: &Source,
     section: &IlluminationSection,
     direction: [f64; 3],
-    channels: usize,
-    geometry: &Geometry,
+    scene: &Scene,
 ) -> Result<Illumination> {
+    let channels = scene.object.len();
     let named = |e: crate::Error| source.error(format!("[illumination] {e}"));
     let normal = section.normal.map_or(DVec3::NEG_Z, DVec3::from_array);
     let sun = Sun::new(DVec3::from_array(direction), normal).map_err(named)?;
@@ -141,7 +116,7 @@ fn parallel(
             (None, None) => Bottom::NONE,
         });
     }
-    check_rays(source, sun, bottom[0].depth(), geometry)?;
+    check_rays(source, sun, bottom[0].depth(), &scene.geometry)?;
     Ok(Illumination::Parallel { sun, irradiance, bottom })
 }
 

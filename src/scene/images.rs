@@ -1,6 +1,6 @@
 //! The images that a scene names, each checked pixel by pixel.
 
-use super::format::NumberOrFile;
+use super::format::{NumberOrFile, ObjectSection};
 use super::source::Source;
 use crate::error::{Error, Result};
 use crate::geometry::{Camera, FARTHEST, Field, Geometry};
@@ -8,11 +8,56 @@ use crate::image::{Channel, Image};
 use crate::io::exr::ExrFile;
 use std::path::{Path, PathBuf};
 
-/// The clear image: finite and not negative.
-pub(super) fn radiance(path: &Path) -> Result<Vec<Channel>> {
-    let channels = ExrFile::read(path)?.radiance()?;
-    check_radiance(path, &channels)?;
-    Ok(channels)
+/// An image whose size others must have.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Frame<'a> {
+    /// Its file.
+    pub path: &'a Path,
+    /// Width and height, px.
+    pub size: (usize, usize),
+}
+
+impl Frame<'_> {
+    /// Refuses an image of the file `path` that is of another size than this one, which is `what`.
+    pub fn check(&self, path: &Path, image: &Image, what: &str) -> Result<()> {
+        check_size(path, image, self.size, &format!("{what} {}", self.path.display()))
+    }
+}
+
+/// The object image.
+pub(super) struct ObjectImage {
+    pub path: PathBuf,
+    pub channels: Vec<Channel>,
+}
+
+impl ObjectImage {
+    pub fn frame(&self) -> Frame<'_> {
+        let image = &self.channels[0].image;
+        Frame { path: &self.path, size: (image.width, image.height) }
+    }
+}
+
+/// Reads `[object] radiance`: finite and not negative.
+pub(super) fn read_radiance(source: &Source, section: &ObjectSection) -> Result<ObjectImage> {
+    let named = match (&section.radiance, &section.reflectance) {
+        (Some(_), Some(_)) => {
+            return Err(source.error("[object] radiance and reflectance are both given: leave one"));
+        }
+        (None, None) => return Err(source.error("[object] radiance is missing")),
+        (None, Some(_)) => {
+            return Err(source.error(
+                "[object] radiance is missing: only synthesize takes a reflectance, which the medium's light lights",
+            ));
+        }
+        (Some(_), None) if section.shading.is_some() => {
+            return Err(source.error("[object] shading is given, but no reflectance"));
+        }
+        (Some(named), None) => named,
+    };
+    let path = source.resolve(named);
+    let channels = ExrFile::read(&path)?.radiance()?;
+    check_radiance(&path, &channels)?;
+    Ok(ObjectImage { path, channels })
 }
 
 /// Refuses the first pixel that is not finite or negative.
@@ -29,13 +74,8 @@ pub(super) struct Distance {
 }
 
 /// The depth of the object or of a further layer, as `key` says: NaN is an error, and so is a number that means no
-/// object. `object` is the object image's path and size.
-pub(super) fn depth(
-    source: &Source,
-    key: &str,
-    value: &NumberOrFile,
-    object: (&Path, (usize, usize)),
-) -> Result<Distance> {
+/// object. `object` is the object image.
+pub(super) fn depth(source: &Source, key: &str, value: &NumberOrFile, object: &Frame) -> Result<Distance> {
     match value {
         NumberOrFile::Number(v) => {
             let ok = *v > 0.0 && *v <= FARTHEST;
@@ -51,11 +91,7 @@ pub(super) fn depth(
 }
 
 /// `[object] surface`: at least 0; where there is no surface its pixels may be infinite.
-pub(super) fn surface(
-    source: &Source,
-    value: &NumberOrFile,
-    object: (&Path, (usize, usize)),
-) -> Result<Distance> {
+pub(super) fn surface(source: &Source, value: &NumberOrFile, object: &Frame) -> Result<Distance> {
     match value {
         NumberOrFile::Number(v) => {
             source.non_negative("[object] surface", *v)?;
@@ -72,11 +108,11 @@ pub(super) fn surface(
 fn map(
     path: PathBuf,
     channel: Channel,
-    object: (&Path, (usize, usize)),
+    object: &Frame,
     allowed: &'static str,
     ok: impl Fn(f32) -> bool,
 ) -> Result<Distance> {
-    check_size(&path, &channel.image, object.1, &format!("the object image {}", object.0.display()))?;
+    object.check(&path, &channel.image, "the object image")?;
     check_pixels(&path, &channel, allowed, ok)?;
     Ok(Distance { field: Field::Map(channel.image), path: Some(path) })
 }

@@ -1,39 +1,35 @@
 //! `[[object.layer]]`: what is known to lie behind the object, nearest first.
 
-use super::format::{DepthKind, LayerSection};
-use super::images::{along_rays, check_radiance, check_size, depth};
+use super::format::{DepthKind, ObjectSection};
+use super::images::{ObjectImage, along_rays, check_radiance, depth};
 use super::source::Source;
 use crate::error::{Error, Result};
 use crate::geometry::Geometry;
-use crate::image::{Channel, Image};
+use crate::image::Image;
 use crate::io::exr::ExrFile;
-use std::path::Path;
 
 /// Puts the layers' distances behind those of `geometry`, and returns for each of the object's channels the clear
-/// radiance of each layer. `object` is the object image with its path.
+/// radiance of each layer.
 pub(super) fn read_layers(
     source: &Source,
-    sections: &[LayerSection],
-    kind: DepthKind,
-    (object_path, object): (&Path, &[Channel]),
+    section: &ObjectSection,
+    object: &ObjectImage,
     geometry: &mut Geometry,
 ) -> Result<Vec<Vec<Image>>> {
-    let size = (geometry.width, geometry.height);
-    let names: Vec<&str> = object.iter().map(|c| c.name.as_str()).collect();
-    let mut behind = vec![Vec::new(); object.len()];
-    for (i, section) in sections.iter().enumerate() {
-        let path = source.resolve(&section.radiance);
+    let names: Vec<&str> = object.channels.iter().map(|c| c.name.as_str()).collect();
+    let mut behind = vec![Vec::new(); object.channels.len()];
+    for (i, layer) in section.layer.iter().enumerate() {
+        let path = source.resolve(&layer.radiance);
         let channels = ExrFile::read(&path)?.channels(&names)?;
         for channel in &channels {
-            let what = format!("the object image {}", object_path.display());
-            check_size(&path, &channel.image, size, &what)?;
+            object.frame().check(&path, &channel.image, "the object image")?;
         }
         check_radiance(&path, &channels)?;
         behind.iter_mut().zip(channels).for_each(|(images, channel)| images.push(channel.image));
 
         let key = format!("[[object.layer]] {} depth", i + 1);
-        let depth = depth(source, &key, &section.depth, (object_path, size))?;
-        let distance = match kind {
+        let depth = depth(source, &key, &layer.depth, &object.frame())?;
+        let distance = match section.depth_kind {
             DepthKind::Ray => depth.field,
             DepthKind::Planar => along_rays(geometry, &depth.field),
         };

@@ -2,8 +2,9 @@
 
 use super::format::{MediumSection, Numbers, TruthFile, parse};
 use super::source::Source;
-use super::{MediumValues, PartialMedium, Scene};
+use super::{PartialMedium, Scene};
 use crate::error::{Result, in_range};
+use crate::medium::Medium;
 use crate::phase::{Family, b_of_spread_angle};
 use std::path::Path;
 
@@ -13,17 +14,17 @@ impl Scene {
     ///
     /// # Errors
     /// [`Error::Scene`](crate::Error::Scene) that names a missing value;
-    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for an override.
-    pub fn medium_values(&self, overrides: PartialMedium) -> Result<Vec<MediumValues>> {
-        let PartialMedium { sigma_s, sigma_a, family, shape } = overrides;
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for an override, or for a value that no medium has.
+    pub fn media(&self, overrides: PartialMedium) -> Result<Vec<Medium>> {
+        let PartialMedium { sigma_s, sigma_a, family, phase_parameter } = overrides;
         let coefficient = |v: f64| v.is_finite() && v >= 0.0;
         for (name, value) in [("--sigma-s", sigma_s), ("--sigma-a", sigma_a)] {
             if let Some(v) = value {
                 in_range(name, v, coefficient(v), "finite and at least 0 (1/length)")?;
             }
         }
-        if let Some(v) = shape {
-            in_range(&format!("--{}", family.parameter()), v, family.allows(v), family.allowed())?;
+        if let Some(v) = phase_parameter {
+            in_range(&format!("--{}", family.parameter_name()), v, family.allows(v), family.allowed())?;
         }
         let source = Source { path: &self.path };
         let merge = |medium: &PartialMedium| {
@@ -32,8 +33,8 @@ impl Scene {
                 PartialMedium {
                     sigma_s: sigma_s.or(medium.sigma_s),
                     sigma_a: sigma_a.or(medium.sigma_a),
-                    family: if shape.is_some() { family } else { medium.family },
-                    shape: shape.or(medium.shape),
+                    family: if phase_parameter.is_some() { family } else { medium.family },
+                    phase_parameter: phase_parameter.or(medium.phase_parameter),
                 },
             )
         };
@@ -45,8 +46,9 @@ impl Scene {
 /// file are ignored.
 ///
 /// # Errors
-/// [`Error::Read`](crate::Error::Read) or [`Error::Scene`](crate::Error::Scene), naming file and key.
-pub fn read_truth(path: &Path) -> Result<Vec<MediumValues>> {
+/// [`Error::Read`](crate::Error::Read) or [`Error::Scene`](crate::Error::Scene), naming file and key;
+/// [`Error::OutOfRange`](crate::Error::OutOfRange) for a value that no medium has.
+pub fn read_truth(path: &Path) -> Result<Vec<Medium>> {
     let source = Source { path };
     let section = parse::<TruthFile>(&source)?.medium;
     let all = [section.sigma_s, section.sigma_a, section.b, section.spread_angle_deg, section.g];
@@ -72,18 +74,18 @@ pub(super) fn read_medium(
         medium.sigma_s = coefficient("[medium] sigma_s", section.sigma_s)?;
         medium.sigma_a = coefficient("[medium] sigma_a", section.sigma_a)?;
         medium.family = family;
-        let key = format!("[medium] {}", family.parameter());
-        let shape = value(&key, section.b.or(section.g))?;
-        let shape =
-            shape.map(|v| source.in_range(&key, v, family.allows(v), family.allowed())).transpose()?;
+        let key = format!("[medium] {}", family.parameter_name());
+        let parameter = value(&key, section.b.or(section.g))?;
+        let parameter =
+            parameter.map(|v| source.in_range(&key, v, family.allows(v), family.allowed())).transpose()?;
         let key = "[medium] spread_angle_deg";
         let angle = value(key, section.spread_angle_deg)?.map(|v| source.positive(key, v)).transpose()?;
-        medium.shape = shape.or(angle.map(|degrees| b_of_spread_angle(degrees.to_radians())));
+        medium.phase_parameter = parameter.or(angle.map(|degrees| b_of_spread_angle(degrees.to_radians())));
     }
     Ok(media)
 }
 
-/// The family of the phase function that `[medium]` names or whose shape it gives, once.
+/// The family of the phase function that `[medium]` names or whose parameter it gives, once.
 fn family_of(source: &Source, section: &MediumSection) -> Result<Family> {
     let keys = [
         ("b", section.b, Family::Gaussian),
@@ -103,7 +105,7 @@ fn family_of(source: &Source, section: &MediumSection) -> Result<Family> {
     let named = family(source, "[medium] phase", section.phase.as_deref())?;
     match (named, given.first()) {
         (Some(named), Some((key, of))) if named != *of => {
-            let (name, right) = (named.name(), named.parameter());
+            let (name, right) = (named.name(), named.parameter_name());
             Err(source.error(format!("[medium] {key} is given, but phase = \"{name}\" has {right}")))
         }
         (named, given) => Ok(named.or(given.map(|(_, of)| *of)).unwrap_or_default()),
@@ -137,7 +139,7 @@ pub(super) fn three_for_one(source: &Source, key: &str) -> crate::Error {
     source.error(format!("{key} has three values, but the object image has one channel"))
 }
 
-fn complete(source: &Source, medium: PartialMedium) -> Result<MediumValues> {
+fn complete(source: &Source, medium: PartialMedium) -> Result<Medium> {
     let missing =
         |key: &str, option: &str| source.error(format!("[medium] {key} is missing (or give {option})"));
     let family = medium.family;
@@ -145,10 +147,8 @@ fn complete(source: &Source, medium: PartialMedium) -> Result<MediumValues> {
         Family::Gaussian => "spread_angle_deg or g, --b, --spread-angle-deg or --g",
         Family::HenyeyGreenstein => "--g",
     };
-    Ok(MediumValues {
-        sigma_s: medium.sigma_s.ok_or_else(|| missing("sigma_s", "--sigma-s"))?,
-        sigma_a: medium.sigma_a.ok_or_else(|| missing("sigma_a", "--sigma-a"))?,
-        family,
-        shape: medium.shape.ok_or_else(|| missing(family.parameter(), instead))?,
-    })
+    let sigma_s = medium.sigma_s.ok_or_else(|| missing("sigma_s", "--sigma-s"))?;
+    let sigma_a = medium.sigma_a.ok_or_else(|| missing("sigma_a", "--sigma-a"))?;
+    let parameter = medium.phase_parameter.ok_or_else(|| missing(family.parameter_name(), instead))?;
+    Medium::new(sigma_s, sigma_a, family.phase(parameter)?)
 }

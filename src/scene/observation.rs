@@ -1,10 +1,10 @@
 //! `[observation]`: which part of the object is seen, and what was seen there.
 
 use super::format::{NumberOrFree, ObservationSection, VeilValue};
-use super::images::{check_pixels, check_size};
+use super::images::{Frame, check_pixels, check_size};
 use super::source::Source;
 use super::variance;
-use super::{Gain, Noise, Observation, Purpose, Veil};
+use super::{Gain, Noise, Observation, Scene, Veil};
 use crate::error::{Error, Result};
 use crate::image::{Channel, Image, View};
 use crate::io::exr::{self, ExrFile};
@@ -13,29 +13,48 @@ use std::path::{Path, PathBuf};
 /// Default of `hidden_share_max`: less than this is lost in the noise of ordinary images.
 const HIDDEN_SHARE_MAX: f64 = 0.01;
 
-/// The part of the object image, `object` (width, height) px large, that is seen. Its size is that of the observed
-/// image; to render or trace, `size_px` comes first, and without either it is all of the object.
-pub(super) fn view(
+/// The part of the object image, `object` (width, height) px large, that is observed: its size is that of the observed
+/// image.
+pub(super) fn observed_view(
     source: &Source,
     section: Option<&ObservationSection>,
     object: (usize, usize),
-    purpose: Purpose,
 ) -> Result<View> {
     let Some(section) = section else { return Ok(View::whole(object.0, object.1)) };
-    let size_px = section.size_px.map(|[w, h]| (w, h));
-    let path = section.image.as_ref().map(|image| source.resolve(image));
-    let size = match path {
-        Some(path) if purpose == Purpose::Fit => {
-            let size = seen_size(&path, object)?;
-            if let Some((w, h)) = size_px.filter(|&s| s != size) {
-                let found = format!("{} is {}x{} px", path.display(), size.0, size.1);
-                return Err(source.error(format!("[observation] size_px = [{w}, {h}], but {found}")));
-            }
-            size
-        }
-        Some(path) if size_px.is_none() && path.exists() => seen_size(&path, object)?,
-        _ => size_px.unwrap_or(object),
+    let Some(image) = &section.image else { return planned_view(source, Some(section), object) };
+    let path = source.resolve(image);
+    let size = seen_size(&path, object)?;
+    if let Some([w, h]) = section.size_px.filter(|&[w, h]| (w, h) != size) {
+        let found = format!("{} is {}x{} px", path.display(), size.0, size.1);
+        return Err(source.error(format!("[observation] size_px = [{w}, {h}], but {found}")));
+    }
+    placed(source, section, object, size)
+}
+
+/// The part of the object image to render or trace: as large as `size_px`, or else as the observed image if there is one;
+/// without either all of the object.
+pub(super) fn planned_view(
+    source: &Source,
+    section: Option<&ObservationSection>,
+    object: (usize, usize),
+) -> Result<View> {
+    let Some(section) = section else { return Ok(View::whole(object.0, object.1)) };
+    let seen = section.image.as_ref().map(|image| source.resolve(image)).filter(|path| path.exists());
+    let size = match (section.size_px, seen) {
+        (Some([w, h]), _) => (w, h),
+        (None, Some(path)) => seen_size(&path, object)?,
+        (None, None) => object,
     };
+    placed(source, section, object, size)
+}
+
+/// The view of this `size` where `[observation] offset_px` has it, or else in the middle.
+fn placed(
+    source: &Source,
+    section: &ObservationSection,
+    object: (usize, usize),
+    size: (usize, usize),
+) -> Result<View> {
     if size.0 == 0 || size.1 == 0 || size.0 > object.0 || size.1 > object.1 {
         return Err(source.error(format!(
             "[observation] size_px = [{}, {}]: must be at least 1 and at most the object image's {}x{} px",
@@ -69,28 +88,27 @@ fn seen_size(path: &Path, object: (usize, usize)) -> Result<(usize, usize)> {
     Ok(size)
 }
 
-/// Reads and checks all that a fit needs to know of the observation of `object` through `view`. `observed` is what reading
+/// Reads and checks all that a fit needs to know of the observation of `scene`. `observed` is what reading
 /// its image gave, `None` if it names none.
 pub(super) fn read_observation(
     source: &Source,
     section: Option<&ObservationSection>,
     observed: Option<Result<ExrFile>>,
-    object: &[Channel],
-    view: View,
+    scene: &Scene,
 ) -> Result<Observation> {
     let section = section.ok_or_else(|| source.error("section [observation] is missing: a fit needs one"))?;
     let (Some(named), Some(observed)) = (&section.image, observed) else {
         return Err(source.error("[observation] image is missing: a fit needs it"));
     };
     let path = source.resolve(named);
-    let names: Vec<&str> = object.iter().map(|c| c.name.as_str()).collect();
-    let size = (view.width, view.height);
+    let names: Vec<&str> = scene.object.iter().map(|c| c.name.as_str()).collect();
+    let frame = Frame { path: &path, size: (scene.view.width, scene.view.height) };
 
     let mut image = observed?.channels(&names)?;
     for channel in &image {
-        check_size(&path, &channel.image, size, "the view")?;
+        check_size(&path, &channel.image, frame.size, "the view")?;
     }
-    let mask = section.mask.as_ref().map(|m| read_mask(&source.resolve(m), (&path, size))).transpose()?;
+    let mask = section.mask.as_ref().map(|m| read_mask(&source.resolve(m), &frame)).transpose()?;
     if let Some(mask) = &mask {
         image.iter_mut().for_each(|channel| blank(channel, mask));
     }
@@ -113,12 +131,9 @@ pub(super) fn read_observation(
             );
         }
         (Some(v), None) => Some(Noise::Level(source.positive("[observation] noise", v)?)),
-        (None, Some(file)) => Some(Noise::Variance(variance::read(
-            &source.resolve(file),
-            &names,
-            (&path, size),
-            mask.as_ref(),
-        )?)),
+        (None, Some(file)) => {
+            Some(Noise::Variance(variance::read(&source.resolve(file), &names, &frame, mask.as_ref())?))
+        }
         (None, None) => None,
     };
     let gain = match section.gain {
@@ -129,9 +144,7 @@ pub(super) fn read_observation(
     let veil = match &section.veil {
         VeilValue::Number(v) => Veil::Fixed(source.finite("[observation] veil", *v)?),
         VeilValue::Free => Veil::Free,
-        VeilValue::File(file) => {
-            Veil::Image(read_veil(source.resolve(file), &names, (&path, size), mask.as_ref())?)
-        }
+        VeilValue::File(file) => Veil::Image(read_veil(source.resolve(file), &names, &frame, mask.as_ref())?),
     };
     let share = section.hidden_share_max.unwrap_or(HIDDEN_SHARE_MAX);
     let ok = share > 0.0 && share <= 1.0;
@@ -140,9 +153,9 @@ pub(super) fn read_observation(
     Ok(Observation { path, image, noise, mask, gain, gain_error, veil, hidden_share_max })
 }
 
-fn read_mask(path: &Path, observed: (&Path, (usize, usize))) -> Result<Image> {
+fn read_mask(path: &Path, observed: &Frame) -> Result<Image> {
     let mask = ExrFile::read(path)?.single()?.image;
-    check_size(path, &mask, observed.1, &format!("the observed image {}", observed.0.display()))?;
+    observed.check(path, &mask, "the observed image")?;
     if mask.data.iter().any(|&v| v > 0.0) {
         Ok(mask)
     } else {
@@ -150,20 +163,10 @@ fn read_mask(path: &Path, observed: (&Path, (usize, usize))) -> Result<Image> {
     }
 }
 
-fn read_veil(
-    path: PathBuf,
-    names: &[&str],
-    observed: (&Path, (usize, usize)),
-    mask: Option<&Image>,
-) -> Result<Vec<Channel>> {
+fn read_veil(path: PathBuf, names: &[&str], observed: &Frame, mask: Option<&Image>) -> Result<Vec<Channel>> {
     let mut veil = ExrFile::read(&path)?.channels(names)?;
     for channel in &mut veil {
-        check_size(
-            &path,
-            &channel.image,
-            observed.1,
-            &format!("the observed image {}", observed.0.display()),
-        )?;
+        observed.check(&path, &channel.image, "the observed image")?;
         if let Some(mask) = mask {
             blank(channel, mask);
         }

@@ -1,79 +1,132 @@
-//! From a scene file to a [`Scene`].
+//! From a scene file to a [`Scene`], an [`ObservedScene`] or a [`LitScene`].
 
 use super::fit_options::read_fit;
-use super::format::{CameraSection, DepthKind, SceneFile, parse};
-use super::illumination::{Object, read_illumination, read_object};
-use super::images::{Distance, along_rays, depth, surface};
+use super::format::{CameraSection, DepthKind, ObservationSection, SceneFile, parse};
+use super::illumination::{read_illumination, read_reflectance};
+use super::images::{Distance, Frame, ObjectImage, along_rays, depth, read_radiance, surface};
 use super::layers::read_layers;
 use super::medium::read_medium;
-use super::observation::{read_observation, view};
+use super::observation::{observed_view, planned_view, read_observation};
 use super::source::Source;
-use super::{Purpose, Scene};
+use super::{LitScene, ObservedScene, Scene};
 use crate::error::{Error, Result};
 use crate::geometry::{Camera, Geometry};
-use crate::image::{Border, Channel, Image};
+use crate::image::{Border, View};
 use crate::io::exr::ExrFile;
 use std::path::Path;
 
 impl Scene {
-    /// Reads the scene file `path` and the images it names, and checks them.
+    /// Reads the scene file `path` and the images it names, and checks them. Of `[observation]` only the place and the size
+    /// of the view are read.
     ///
     /// # Errors
     /// Whatever is wrong first, with file and key or pixel: [`Error::Read`], [`Error::Scene`],
-    /// [`Error::MissingChannel`], [`Error::WrongSize`], [`Error::BadPixel`], or [`Error::NothingToFit`].
-    pub fn read(path: &Path, purpose: Purpose) -> Result<Self> {
+    /// [`Error::MissingChannel`], [`Error::WrongSize`], or [`Error::BadPixel`].
+    pub fn read(path: &Path) -> Result<Self> {
+        let reader = Reader::open(path)?;
+        let object = read_radiance(&reader.source, &reader.file.object)?;
+        reader.scene(object, planned_view)
+    }
+}
+
+impl ObservedScene {
+    /// Reads the scene file `path`, which needs an `[observation]`, and the images it names, and checks them.
+    ///
+    /// # Errors
+    /// As [`Scene::read`], and [`Error::NothingToFit`] if object or observation show nothing.
+    pub fn read(path: &Path) -> Result<Self> {
+        let reader = Reader::open(path)?;
+        let Reader { source, file, .. } = &reader;
+        let named = file.observation.as_ref().and_then(|section| section.image.as_ref());
+        // The two large images are decoded side by side; the first one's errors come first.
+        let (object, observed) = rayon::join(
+            || read_radiance(source, &file.object),
+            || named.map(|named| ExrFile::read(&source.resolve(named))),
+        );
+        let object = object?;
+        let object_path = object.path.clone();
+        let scene = reader.scene(object, observed_view)?;
+        check_contrast(&object_path, &scene)?;
+        let observation = read_observation(source, file.observation.as_ref(), observed, &scene)?;
+        Ok(Self { scene, observation })
+    }
+}
+
+impl LitScene {
+    /// Reads the scene file `path`, which needs an `[illumination]`, and the images it names, and checks them. Of
+    /// `[observation]` only the place and the size of the view are read.
+    ///
+    /// # Errors
+    /// As [`Scene::read`].
+    pub fn read(path: &Path) -> Result<Self> {
+        let reader = Reader::open(path)?;
+        let Reader { source, file, .. } = &reader;
+        let (object, shading) = match &file.object.reflectance {
+            Some(named) if file.object.radiance.is_none() => {
+                let (object, shading) = read_reflectance(source, &file.object, named)?;
+                (object, Some(shading))
+            }
+            _ => (read_radiance(source, &file.object)?, None),
+        };
+        let scene = reader.scene(object, planned_view)?;
+        let illumination = read_illumination(source, file.illumination.as_ref(), &scene, shading.is_some())?;
+        Ok(Self { scene, shading, illumination })
+    }
+}
+
+/// How the part of the object image that is seen follows from `[observation]`.
+type ViewRule = fn(&Source, Option<&ObservationSection>, (usize, usize)) -> Result<View>;
+
+/// A scene file whose keys are known.
+struct Reader<'a> {
+    source: Source<'a>,
+    file: SceneFile,
+    camera: Camera,
+}
+
+impl<'a> Reader<'a> {
+    fn open(path: &'a Path) -> Result<Self> {
         let source = Source { path };
         let file: SceneFile = parse(&source)?;
         let camera = camera(&source, &file.camera)?;
-        let section = file.observation.as_ref();
-        let observed_path = section.filter(|_| purpose == Purpose::Fit).and_then(|s| s.image.as_ref());
-        // The two large images are decoded side by side; the first one's errors come first.
-        let (object, observed) = rayon::join(
-            || read_object(&source, &file.object, purpose),
-            || observed_path.map(|named| ExrFile::read(&source.resolve(named))),
-        );
-        let Object { path: object_path, channels: object, shading } = object?;
-        let channels = object.len();
-        let medium = read_medium(&source, file.medium.as_ref(), channels)?;
-        let fit = read_fit(&source, &file.fit, channels)?;
+        Ok(Self { source, file, camera })
+    }
 
-        let size = (object[0].image.width, object[0].image.height);
-        let depth = depth(&source, "[object] depth", &file.object.depth, (&object_path, size))?;
-        let surface = surface(&source, &file.object.surface, (&object_path, size))?;
-        let kind = file.object.depth_kind;
-        let mut geometry = geometry(path, camera, size, (depth, surface), kind)?;
-        let behind = read_layers(&source, &file.object.layer, kind, (&object_path, &object), &mut geometry)?;
-        let depth_error = source.relative_error("[object] depth_error", file.object.depth_error)?;
-        let border = file.object.border;
-        let view = view(&source, section, size, purpose)?;
-        let observation = match purpose {
-            Purpose::Render | Purpose::Synthesize => None,
-            Purpose::Fit => {
-                check_contrast(&object_path, (&object, &behind), &geometry, border)?;
-                Some(read_observation(&source, section, observed, &object, view)?)
-            }
+    /// What every kind of scene needs to know.
+    fn scene(&self, object: ObjectImage, view: ViewRule) -> Result<Scene> {
+        let (source, section) = (&self.source, &self.file.object);
+        let channels = object.channels.len();
+        let medium = read_medium(source, self.file.medium.as_ref(), channels)?;
+        let fit = read_fit(source, &self.file.fit, channels)?;
+        let frame = object.frame();
+        let depth = depth(source, "[object] depth", &section.depth, &frame)?;
+        let surface = surface(source, &section.surface, &frame)?;
+        let mut geometry = self.geometry(frame, depth, surface)?;
+        let behind = read_layers(source, section, &object, &mut geometry)?;
+        let depth_error = source.relative_error("[object] depth_error", section.depth_error)?;
+        let view = view(source, self.file.observation.as_ref(), frame.size)?;
+        let (path, border, object) = (source.path.into(), section.border, object.channels);
+        Ok(Scene { path, object, behind, geometry, depth_error, border, view, medium, fit })
+    }
+
+    /// Puts the distances together, along the rays, and refuses an object before the medium's surface.
+    fn geometry(&self, frame: Frame, depth: Distance, surface: Distance) -> Result<Geometry> {
+        let (width, height) = frame.size;
+        let mut geometry = Geometry {
+            width,
+            height,
+            camera: self.camera,
+            depth: depth.field,
+            behind: Vec::new(),
+            surface: surface.field,
         };
-        let illumination = match purpose {
-            Purpose::Synthesize => {
-                let lit = shading.is_some();
-                Some(read_illumination(&source, file.illumination.as_ref(), &object, (&geometry, view), lit)?)
-            }
-            Purpose::Render | Purpose::Fit => None,
-        };
-        Ok(Self {
-            path: path.into(),
-            object,
-            shading,
-            behind,
-            geometry,
-            depth_error,
-            border,
-            view,
-            observation,
-            medium,
-            illumination,
-            fit,
-        })
+        if self.file.object.depth_kind == DepthKind::Planar {
+            geometry.depth = along_rays(&geometry, &geometry.depth);
+            geometry.surface = along_rays(&geometry, &geometry.surface);
+        }
+        let culprit = depth.path.or(surface.path).unwrap_or_else(|| self.source.path.to_path_buf());
+        geometry.check().map_err(|e| Error::Scene { path: culprit, message: e.to_string() })?;
+        Ok(geometry)
     }
 }
 
@@ -89,34 +142,11 @@ fn camera(source: &Source, section: &CameraSection) -> Result<Camera> {
     made.map_err(|e| source.error(format!("[camera] {e}")))
 }
 
-/// Puts the distances together, along the rays, and refuses an object before the medium's surface.
-fn geometry(
-    scene: &Path,
-    camera: Camera,
-    (width, height): (usize, usize),
-    (depth, surface): (Distance, Distance),
-    kind: DepthKind,
-) -> Result<Geometry> {
-    let mut geometry =
-        Geometry { width, height, camera, depth: depth.field, behind: Vec::new(), surface: surface.field };
-    if kind == DepthKind::Planar {
-        geometry.depth = along_rays(&geometry, &geometry.depth);
-        geometry.surface = along_rays(&geometry, &geometry.surface);
-    }
-    let culprit = depth.path.or(surface.path).unwrap_or_else(|| scene.to_path_buf());
-    geometry.check().map_err(|e| Error::Scene { path: culprit, message: e.to_string() })?;
-    Ok(geometry)
-}
-
-/// Refuses an object of which a medium could not be told: one whose clear view, further layers included, is without
+/// Refuses an object from which no medium could be estimated: one whose clear view, further layers included, is without
 /// light, or of one value everywhere, outside included.
-fn check_contrast(
-    path: &Path,
-    (object, behind): (&[Channel], &[Vec<Image>]),
-    geometry: &Geometry,
-    border: Border,
-) -> Result<()> {
-    for (channel, behind) in object.iter().zip(behind) {
+fn check_contrast(path: &Path, scene: &Scene) -> Result<()> {
+    let geometry = &scene.geometry;
+    for (channel, behind) in scene.object.iter().zip(&scene.behind) {
         let pixels = (0..geometry.height).flat_map(|y| (0..geometry.width).map(move |x| (x, y)));
         let light = |(x, y): (usize, usize)| {
             let further = geometry.behind.iter().zip(behind);
@@ -126,7 +156,7 @@ fn check_contrast(
         let (low, high) = pixels.map(light).fold((f32::MAX, 0.0_f32), |(a, b), v| (a.min(v), b.max(v)));
         let because = if high == 0.0 {
             "is black"
-        } else if low == high && border != Border::Zero {
+        } else if low == high && scene.border != Border::Zero {
             "is uniform, and so is what the border rule puts around it"
         } else {
             continue;

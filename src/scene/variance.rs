@@ -6,7 +6,7 @@
 //! sqrt(pixels / samples) times the skewness of a sample, in standard errors. The mean over a pixel's neighbours knows nothing
 //! of the pixel's own noise, and takes the place of such an estimate.
 
-use super::images::{check_pixels, check_size};
+use super::images::{Frame, check_pixels};
 use crate::error::Result;
 use crate::image::{Channel, Image};
 use crate::io::exr::ExrFile;
@@ -15,12 +15,12 @@ use std::path::Path;
 /// Largest variance that is believed, the square of the largest radiance, and the inverse of the least.
 const LARGEST: f32 = 1e30;
 
-/// The variance of each pixel of the channels `names` of the observed image, whose path and size is `observed`; 1 where the
+/// The variance of each pixel of the channels `names` of the observed image `observed`; 1 where the
 /// mask excludes it.
 pub(super) fn read(
     path: &Path,
     names: &[&str],
-    observed: (&Path, (usize, usize)),
+    observed: &Frame,
     mask: Option<&Image>,
 ) -> Result<Vec<Channel>> {
     let file = ExrFile::read(path)?;
@@ -32,8 +32,7 @@ pub(super) fn read(
         Err(_) => (file.channels(names)?, false),
     };
     for (channel, name) in variance.iter_mut().zip(names) {
-        let what = format!("the observed image {}", observed.0.display());
-        check_size(path, &channel.image, observed.1, &what)?;
+        observed.check(path, &channel.image, "the observed image")?;
         let data = &mut channel.image.data;
         data.iter_mut().enumerate().filter(|(i, _)| !counts(*i)).for_each(|(_, v)| *v = 1.0);
         if are_estimates {

@@ -2,7 +2,6 @@
 
 use super::{Dual, SpreadKernel};
 use crate::medium::Medium;
-use crate::phase::PhaseFunction;
 
 pub(super) struct BeerLambert {
     medium: Medium,
@@ -24,8 +23,8 @@ impl SpreadKernel for BeerLambert {
         &self.medium
     }
 
-    fn phase(&self) -> Option<&dyn PhaseFunction> {
-        None
+    fn spreads(&self) -> bool {
+        false
     }
 
     fn scattered_transfer(&self, _k: f64) -> Dual {

@@ -1,6 +1,6 @@
 //! Spread kernels: where the light of one object point lands in the object plane, seen from the camera.
 //!
-//! A kernel belongs to one medium, one phase function and one path length z. The direct light, its share
+//! A kernel belongs to one medium and one path length z. The direct light, its share
 //! T = exp(-sigma_t z), is a point; the scattered light has the density `psf(r)` per area of the object plane.
 //! Nothing is normalised away: `psf` integrates to [`SpreadKernel::scattered`], the share of the light that arrives
 //! scattered, and the transfer function is
@@ -19,7 +19,7 @@
 //! The model `traced` has no kernel: `fit` and `render` trace the scene at hand.
 //!
 //! F is the mean planar transform of the phase function ([`crate::phase`]); in the moment-matched kernels it is
-//! that of a Gaussian lobe, whatever the phase function, and beta² = 3 R / phi.
+//! that of a Gaussian phase function, whatever the phase function, and beta² = 3 R / phi.
 
 mod beer_lambert;
 mod dual;
@@ -40,7 +40,7 @@ use wide_angle::{WideAngle, table_of};
 
 pub use dual::Dual;
 
-/// The spread of one object point's light, for one medium, phase function and path length.
+/// The spread of one object point's light, for one medium and path length.
 pub trait SpreadKernel: Send + Sync {
     /// Path length z in the medium, length.
     fn path_length(&self) -> f64;
@@ -68,8 +68,10 @@ pub trait SpreadKernel: Send + Sync {
         self.direct() + self.scattered_transfer(k)
     }
 
-    /// The phase function; `None` for a kernel without spread.
-    fn phase(&self) -> Option<&dyn PhaseFunction>;
+    /// Whether any light is spread: not by `beer-lambert`.
+    fn spreads(&self) -> bool {
+        true
+    }
 
     /// N(k), 1/length, of the paths' slope s and offset r at the object: E[s exp(i k·r)] = -i (k/k²) N(k), with
     /// N = sigma_s (Phat(kz) - 1) M(k): the joint characteristic function of (r, s) has the exponent
@@ -80,10 +82,12 @@ pub trait SpreadKernel: Send + Sync {
     /// distance from the camera to the object. With `nearness` = z/rho, 0 for parallel rays, Phat - 1 becomes
     /// Phat - 1 - nearness (Phat - F).
     fn mean_slope(&self, k: f64, nearness: f64) -> Dual {
-        let Some(phase) = self.phase() else { return Dual::default() };
-        let (q, sigma_s) = (k * self.path_length(), self.medium().sigma_s());
-        let lobe = phase.planar_transform(q);
-        let bend = lobe - 1.0 - nearness * (lobe - phase.mean_planar_transform(q));
+        if !self.spreads() {
+            return Dual::default();
+        }
+        let (q, sigma_s, phase) = (k * self.path_length(), self.medium().sigma_s(), self.medium().phase());
+        let transform = phase.planar_transform(q);
+        let bend = transform - 1.0 - nearness * (transform - phase.mean_planar_transform(q));
         let bend_in_b = (1.0 - nearness) * phase.planar_transform_derivative(q)
             + nearness * phase.mean_planar_transform_derivative(q);
         self.mtf(k) * Dual { value: sigma_s * bend, gradient: [bend, 0.0, sigma_s * bend_in_b] }
@@ -151,8 +155,8 @@ pub struct Range {
     pub tau: f64,
     /// Largest sigma_a z.
     pub absorption: f64,
-    /// Least and largest shape of the phase function, B (rad²) or g.
-    pub shape: [f64; 2],
+    /// Least and largest parameter of the phase function, B (rad²) or g.
+    pub phase: [f64; 2],
 }
 
 /// Largest tau·4B at which small-angle theory holds to 1 % of the transfer function: max|dM| ≈ .19 tau·4B,
@@ -206,44 +210,41 @@ impl Model {
     /// # Errors
     /// [`Error::NoSecondMoment`] if there are none.
     pub fn range(self, family: Family) -> Result<Range> {
-        let everything = Range { tau: f64::INFINITY, absorption: f64::INFINITY, shape: [0.0, f64::INFINITY] };
+        let everything = Range { tau: f64::INFINITY, absorption: f64::INFINITY, phase: [0.0, f64::INFINITY] };
         match (self, family) {
             (Model::WideAngle, family) => Ok(Layout::of(family).range()),
-            (
-                Model::Gaussian | Model::NarrowBeamPrinted | Model::NarrowBeam,
-                phase @ Family::HenyeyGreenstein,
-            ) => Err(Error::NoSecondMoment { model: self.name(), phase }),
+            (Model::Gaussian | Model::NarrowBeamPrinted | Model::NarrowBeam, Family::HenyeyGreenstein) => {
+                Err(self.no_second_moment(family))
+            }
             _ => Ok(everything),
         }
     }
 
-    /// The kernel of this model for `medium` and `phase` after the path length `z` (length).
+    fn no_second_moment(self, family: Family) -> Error {
+        Error::NoSecondMoment { model: self.name(), phase: family.to_string() }
+    }
+
+    /// The kernel of this model for `medium` after the path length `z` (length).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] unless `z` is finite and above 0, and beyond what the model is [made for](Model::range);
     /// [`Error::NoKernel`] for `traced`; [`Error::NoSecondMoment`] if the model matches moments and the phase function has
     /// none.
-    pub fn kernel<'a>(
-        self,
-        medium: &Medium,
-        phase: &'a dyn PhaseFunction,
-        z: f64,
-    ) -> Result<Box<dyn SpreadKernel + 'a>> {
+    pub fn kernel(self, medium: &Medium, z: f64) -> Result<Box<dyn SpreadKernel>> {
         in_range("z", z, z.is_finite() && z > 0.0, "finite and above 0 (length)")?;
-        let matched = |profile, moments| -> Result<Box<dyn SpreadKernel + 'a>> {
-            let second = phase
-                .planar_second_moment()
-                .ok_or(Error::NoSecondMoment { model: self.name(), phase: phase.family() })?;
-            Ok(Box::new(MomentMatched::new(*medium, (phase, second), z, profile, moments)))
+        let family = medium.phase().family();
+        let matched = |profile, moments| -> Result<Box<dyn SpreadKernel>> {
+            let b = gaussian_width(medium).ok_or_else(|| self.no_second_moment(family))?;
+            Ok(Box::new(MomentMatched::new(*medium, b, z, profile, moments)))
         };
         match self {
             Model::BeerLambert => Ok(Box::new(beer_lambert::BeerLambert::new(*medium, z))),
-            Model::SingleScatter => Ok(Box::new(single_scatter::SingleScatter::new(*medium, phase, z))),
+            Model::SingleScatter => Ok(Box::new(single_scatter::SingleScatter::new(*medium, z))),
             Model::Gaussian => matched(Profile::Gaussian, Moments::Exact),
             Model::NarrowBeamPrinted => matched(Profile::Erfc, Moments::Printed),
             Model::NarrowBeam => matched(Profile::Erfc, Moments::Exact),
-            Model::SmallAngle => Ok(Box::new(small_angle::SmallAngle::new(*medium, phase, z))),
-            Model::WideAngle => Ok(Box::new(WideAngle::new(table_of(phase.family()), medium, phase, z)?)),
+            Model::SmallAngle => Ok(Box::new(small_angle::SmallAngle::new(*medium, z))),
+            Model::WideAngle => Ok(Box::new(WideAngle::new(table_of(family), medium, z)?)),
             Model::Traced => Err(Error::NoKernel),
         }
     }
@@ -271,20 +272,35 @@ impl FromStr for Model {
 /// Radius that holds 1 - 1/e of the light that small-angle theory scatters into the path length `z`: the root mean square
 /// radius as if the kernel were a Gaussian, or where that is infinite the radius itself, to a few percent. 0 if nothing is
 /// scattered.
-pub fn typical_radius(medium: &Medium, phase: &dyn PhaseFunction, z: f64) -> f64 {
-    match phase.planar_second_moment() {
-        Some(moment) => {
+pub fn typical_radius(medium: &Medium, z: f64) -> f64 {
+    match second_moments(medium, z) {
+        Some(moments) => {
             let scattered = medium.scattered_total(z).max(f64::MIN_POSITIVE);
-            (second_moments(medium, 0.25 * moment, z).0 / scattered).sqrt()
+            (moments.exact / scattered).sqrt()
         }
-        None => small_angle::SmallAngle::new(*medium, phase, z).support((-1.0_f64).exp()),
+        None => small_angle::SmallAngle::new(*medium, z).support((-1.0_f64).exp()),
     }
 }
 
-/// Absolute second radial moment of the scattered light for a Gaussian lobe of width `b` after path length `z`:
-/// (exact, as printed in eq. 21 of Shinya et al.), length².
-pub fn second_moments(medium: &Medium, b: f64, z: f64) -> (f64, f64) {
+/// Absolute second radial moment of the scattered light in small-angle theory, length².
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SecondMoments {
+    /// The exact one.
+    pub exact: f64,
+    /// As printed in eq. 21 of Shinya et al.
+    pub printed: f64,
+}
+
+/// The second moments in `medium` after path length `z`; `None` where they are infinite.
+pub fn second_moments(medium: &Medium, z: f64) -> Option<SecondMoments> {
+    let b = gaussian_width(medium)?;
     let of =
         |moments: Moments| moments.mean_square_radius(medium.tau(z), b, z).value * medium.scattered_total(z);
-    (of(Moments::Exact), of(Moments::Printed))
+    Some(SecondMoments { exact: of(Moments::Exact), printed: of(Moments::Printed) })
+}
+
+/// Width B of the Gaussian phase function with the planar second moment <s²> = 4B of that of `medium`, rad²; `None` where
+/// that is infinite.
+fn gaussian_width(medium: &Medium) -> Option<f64> {
+    medium.phase().planar_second_moment().map(|moment| 0.25 * moment)
 }

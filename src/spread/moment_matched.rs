@@ -14,7 +14,7 @@
 
 use super::{Dual, SpreadKernel};
 use crate::medium::Medium;
-use crate::phase::{PhaseFunction, encircled_erfc, mean_gaussian, mean_gaussian_slope};
+use crate::phase::{encircled_erfc, mean_gaussian, mean_gaussian_slope};
 use libm::erfc;
 use std::f64::consts::PI;
 
@@ -43,7 +43,7 @@ pub(super) struct MeanSquareRadius {
 const SERIES_BELOW: f64 = 0.5;
 
 impl Moments {
-    /// R/phi for scattering depth `tau`, lobe width `b` and path length `z`.
+    /// R/phi for scattering depth `tau`, phase function of width `b` and path length `z`.
     pub(super) fn mean_square_radius(self, tau: f64, b: f64, z: f64) -> MeanSquareRadius {
         let scattered = -(-tau).exp_m1();
         // tau / (1 - exp(-tau)) and the derivative of its logarithm.
@@ -121,9 +121,8 @@ impl Profile {
     }
 }
 
-pub(super) struct MomentMatched<'a> {
+pub(super) struct MomentMatched {
     medium: Medium,
-    phase: &'a dyn PhaseFunction,
     z: f64,
     b: f64,
     profile: Profile,
@@ -131,32 +130,21 @@ pub(super) struct MomentMatched<'a> {
     radius: MeanSquareRadius,
 }
 
-impl<'a> MomentMatched<'a> {
-    /// `second_moment` is the planar second moment <s²> = 4B of `phase`, rad².
-    pub(super) fn new(
-        medium: Medium,
-        (phase, second_moment): (&'a dyn PhaseFunction, f64),
-        z: f64,
-        profile: Profile,
-        moments: Moments,
-    ) -> Self {
-        let b = 0.25 * second_moment;
+impl MomentMatched {
+    /// `b` is a quarter of the planar second moment <s²> = 4B of the phase function, rad².
+    pub(super) fn new(medium: Medium, b: f64, z: f64, profile: Profile, moments: Moments) -> Self {
         let radius = moments.mean_square_radius(medium.tau(z), b, z);
-        Self { medium, phase, z, b, profile, phi: medium.scattered_total(z), radius }
+        Self { medium, z, b, profile, phi: medium.scattered_total(z), radius }
     }
 }
 
-impl SpreadKernel for MomentMatched<'_> {
+impl SpreadKernel for MomentMatched {
     fn path_length(&self) -> f64 {
         self.z
     }
 
     fn medium(&self) -> &Medium {
         &self.medium
-    }
-
-    fn phase(&self) -> Option<&dyn PhaseFunction> {
-        Some(self.phase)
     }
 
     fn scattered_transfer(&self, k: f64) -> Dual {
@@ -194,8 +182,8 @@ mod tests {
         let (cap_a, a, e) = (sigma_s * b, sigma_s, (-sigma_s * z).exp());
         let bracket = e * (cap_a * z * z / a - 2.0 * b / (a * a))
             + (2.0 * b / (a * a) - 2.0 * b * z / a + (-cap_a / a + b) * z * z + cap_a * z.powi(3));
-        let medium = Medium::new(sigma_s, 0.2).unwrap();
-        let printed = crate::spread::second_moments(&medium, b, z).1;
+        let medium = Medium::gaussian(sigma_s, 0.2, b).unwrap();
+        let printed = crate::spread::second_moments(&medium, z).unwrap().printed;
         let want = 4.0 * (-0.2 * z).exp() * bracket;
         assert!((printed / want - 1.0).abs() < 1e-12, "{printed} {want}");
     }

@@ -9,22 +9,21 @@ use super::{Dual, SpreadKernel, hankel};
 use crate::medium::Medium;
 use crate::phase::PhaseFunction;
 
-pub(super) struct SmallAngle<'a> {
+pub(super) struct SmallAngle {
     medium: Medium,
-    phase: &'a dyn PhaseFunction,
     z: f64,
     t: f64,
     tau: f64,
 }
 
-impl<'a> SmallAngle<'a> {
-    pub(super) fn new(medium: Medium, phase: &'a dyn PhaseFunction, z: f64) -> Self {
-        Self { medium, phase, z, t: medium.transmittance(z), tau: medium.tau(z) }
+impl SmallAngle {
+    pub(super) fn new(medium: Medium, z: f64) -> Self {
+        Self { medium, z, t: medium.transmittance(z), tau: medium.tau(z) }
     }
 
     /// Transfer function of the light scattered twice or more.
     fn multiple(&self, k: f64) -> f64 {
-        let x = self.tau * self.phase.mean_planar_transform(k * self.z);
+        let x = self.tau * self.medium.phase().mean_planar_transform(k * self.z);
         // exp(x) - 1 - x cancels below 1e-3, where three terms of the series are exact to 1e-13.
         match x {
             _ if x < 1e-3 => self.t * x * x * (0.5 + x * (1.0 / 6.0 + x / 24.0)),
@@ -38,7 +37,7 @@ impl<'a> SmallAngle<'a> {
     }
 }
 
-impl SpreadKernel for SmallAngle<'_> {
+impl SpreadKernel for SmallAngle {
     fn path_length(&self) -> f64 {
         self.z
     }
@@ -47,31 +46,27 @@ impl SpreadKernel for SmallAngle<'_> {
         &self.medium
     }
 
-    fn phase(&self) -> Option<&dyn PhaseFunction> {
-        Some(self.phase)
-    }
-
     fn scattered_transfer(&self, k: f64) -> Dual {
         let (z, t, tau) = (self.z, self.t, self.tau);
-        let f = self.phase.mean_planar_transform(k * z);
+        let f = self.medium.phase().mean_planar_transform(k * z);
         let whole = (tau * f - self.medium.sigma_t() * z).exp();
         // M - T cancels where little is scattered; T (exp(tau F) - 1) overflows where much is.
         let value = if tau * f < 1.0 { t * (tau * f).exp_m1() } else { whole - t };
-        let d_f = self.phase.mean_planar_transform_derivative(k * z);
+        let d_f = self.medium.phase().mean_planar_transform_derivative(k * z);
         Dual { value, gradient: [z * (whole * f - value), -z * value, whole * tau * d_f] }
     }
 
     fn psf(&self, r: f64) -> f64 {
-        let once = self.t * self.tau * self.phase.single_scatter_psf(r, self.z);
+        let once = self.t * self.tau * self.medium.phase().single_scatter_psf(r, self.z);
         once + hankel::inverse_j0(|k| self.multiple(k), r, self.k_scale())
     }
 
     fn encircled_energy(&self, r: f64) -> f64 {
-        let once = self.t * self.tau * self.phase.single_scatter_encircled(r, self.z);
+        let once = self.t * self.tau * self.medium.phase().single_scatter_encircled(r, self.z);
         once + hankel::encircled_j1(|k| self.multiple(k), r, self.k_scale())
     }
 
     fn width(&self) -> f64 {
-        self.z * self.phase.planar_width()
+        self.z * self.medium.phase().planar_width()
     }
 }

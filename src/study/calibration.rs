@@ -11,8 +11,9 @@ use crate::fit::noise::{with_noise, with_variance};
 use crate::fit::scenes::fit_scenes;
 use crate::fit::{ChannelFit, NAMES, Parameters, Settings};
 use crate::image::{Channel, Image};
+use crate::medium::Medium;
 use crate::phase::b_of_spread_angle;
-use crate::scene::{Gain, MediumValues, Noise, Scene, Veil};
+use crate::scene::{Gain, Noise, ObservedScene, Veil};
 use crate::spread::Model;
 use rayon::prelude::*;
 
@@ -80,18 +81,20 @@ impl Coverage {
 
 /// The cases that are looked at: thin and thick, narrow and wide, clean and noisy, sharp and soft, noise known and not, even
 /// and not, exposure known and not.
-pub fn cases() -> Vec<Case> {
+///
+/// # Errors
+/// None but those of constants out of range.
+pub fn cases() -> Result<Vec<Case>> {
     let b = |degrees: f64| b_of_spread_angle(degrees.to_radians());
     let base = Setting {
         texture: Texture::Checker,
         side: 48,
         pixel_pitch: 0.03,
         z: 2.0,
-        medium: MediumValues::gaussian(0.7, 0.15, b(7.0)),
+        medium: Medium::gaussian(0.7, 0.15, b(7.0))?,
     };
-    let medium = |sigma_s, sigma_a, degrees| Setting {
-        medium: MediumValues::gaussian(sigma_s, sigma_a, b(degrees)),
-        ..base
+    let medium = |sigma_s, sigma_a, degrees| -> Result<Setting> {
+        Ok(Setting { medium: Medium::gaussian(sigma_s, sigma_a, b(degrees))?, ..base })
     };
     let near = Setting { z: 1.0, ..base };
     let case = |name, planes: &[Setting], noise| Case {
@@ -102,21 +105,21 @@ pub fn cases() -> Vec<Case> {
         told: Told::Level,
         exposure_free: false,
     };
-    vec![
+    Ok(vec![
         case("tau 1.4, 7°, checker", &[base], 0.01),
         Case { told: Told::Nothing, ..case("the same, noise estimated", &[base], 0.01) },
-        case("tau .3, thin", &[medium(0.15, 0.05, 7.0)], 0.005),
-        case("tau 5, thick", &[medium(2.5, 0.1, 5.0)], 0.001),
+        case("tau .3, thin", &[medium(0.15, 0.05, 7.0)?], 0.005),
+        case("tau 5, thick", &[medium(2.5, 0.1, 5.0)?], 0.001),
         case("noise of 5 %", &[base], 0.02),
         case("disks", &[Setting { texture: Texture::Natural, ..base }], 0.01),
         Case { exposure_free: true, ..case("two depths, second exposure free", &[near, base], 0.01) },
         Case {
             model: Model::WideAngle,
-            ..case("30°, wide-angle", &[Setting { pixel_pitch: 0.1, ..medium(0.8, 0.1, 30.0) }], 0.005)
+            ..case("30°, wide-angle", &[Setting { pixel_pitch: 0.1, ..medium(0.8, 0.1, 30.0)? }], 0.005)
         },
-        Case { model: Model::Gaussian, ..case("tau 3, gaussian", &[medium(1.5, 0.1, 6.0)], 0.003) },
+        Case { model: Model::Gaussian, ..case("tau 3, gaussian", &[medium(1.5, 0.1, 6.0)?], 0.003) },
         Case { told: Told::Variance, ..case("noise uneven, variances given", &[base], 0.01) },
-    ]
+    ])
 }
 
 impl Case {
@@ -130,8 +133,8 @@ impl Case {
         let truth = self.planes[0].truth();
         let mut known = clean.clone();
         for scene in &mut known {
-            scene.fit[0].start = truth.map(Some);
-            let observation = scene.observation.as_mut().expect("made with one");
+            scene.scene.fit[0].start = truth.map(Some);
+            let observation = &mut scene.observation;
             observation.noise = observation.noise.take().or(Some(Noise::Level(self.noise)));
         }
         let ideal =
@@ -152,15 +155,15 @@ impl Case {
     ///
     /// # Errors
     /// As [`Setting::render`].
-    pub fn scenes(&self, seed: u64) -> Result<Vec<Scene>> {
+    pub fn scenes(&self, seed: u64) -> Result<Vec<ObservedScene>> {
         let clean = self.planes.iter().map(|plane| self.scene(plane)).collect::<Result<_>>()?;
         Ok(self.noisy(clean, seed))
     }
 
     /// `scenes` with the noise of `seed` and the seeds that follow it.
-    fn noisy(&self, mut scenes: Vec<Scene>, seed: u64) -> Vec<Scene> {
+    fn noisy(&self, mut scenes: Vec<ObservedScene>, seed: u64) -> Vec<ObservedScene> {
         for (scene, own) in scenes.iter_mut().zip(0..) {
-            let image = &mut scene.observation.as_mut().expect("made with one").image[0].image;
+            let image = &mut scene.observation.image[0].image;
             *image = self.draw(image, seed.wrapping_add(own));
         }
         scenes
@@ -182,11 +185,11 @@ impl Case {
         })
     }
 
-    fn scene(&self, plane: &Setting) -> Result<Scene> {
+    fn scene(&self, plane: &Setting) -> Result<ObservedScene> {
         let image = plane.render(self.model)?;
         let variance = vec![Channel { name: "Y".into(), image: self.variance(&image) }];
         let mut scene = plane.scene(image, None)?;
-        let observation = scene.observation.as_mut().expect("made with one");
+        let observation = &mut scene.observation;
         observation.noise = match self.told {
             Told::Level => Some(Noise::Level(self.noise)),
             Told::Nothing => None,

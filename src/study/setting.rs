@@ -4,8 +4,9 @@ use crate::error::Result;
 use crate::filter::{Backend, Optics, Target};
 use crate::geometry::Geometry;
 use crate::image::{Border, Channel, Image, View};
+use crate::medium::Medium;
 use crate::phase::PhaseFunction;
-use crate::scene::{FitOptions, Gain, MediumValues, Noise, Observation, PartialMedium, Scene, Veil};
+use crate::scene::{FitOptions, Gain, Noise, Observation, ObservedScene, PartialMedium, Scene, Veil};
 use crate::spread::Model;
 use crate::trace::{ImageConfig, TracedImage, trace_image};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -85,18 +86,18 @@ pub struct Setting {
     /// Depth of the plane, length.
     pub z: f64,
     /// The medium.
-    pub medium: MediumValues,
+    pub medium: Medium,
 }
 
 impl Setting {
     /// Scattering depth of the plane.
     pub fn tau(&self) -> f64 {
-        self.medium.sigma_s * self.z
+        self.medium.tau(self.z)
     }
 
-    /// sigma_s, sigma_a and the shape of the phase function.
+    /// sigma_s, sigma_a and the phase-function parameter.
     pub fn truth(&self) -> [f64; 3] {
-        self.medium.values()
+        self.medium.parameters()
     }
 
     fn geometry(&self) -> Result<Geometry> {
@@ -109,8 +110,7 @@ impl Setting {
     /// As [`Backend::prepare`] and [`Optics::kernel`].
     pub fn render(&self, model: Model) -> Result<Image> {
         let (object, geometry) = (self.texture.image(self.side), self.geometry()?);
-        let (medium, phase) = (self.medium.medium()?, self.medium.lobe()?);
-        let optics = Optics { model, medium, phase: &phase };
+        let optics = Optics { model, medium: self.medium };
         let target = Target {
             radiance: &object,
             behind: &[],
@@ -122,22 +122,22 @@ impl Setting {
         Backend::Cpu.prepare(target, &optics, 1.0)?.render(&optics)
     }
 
-    /// What `samples` paths a pixel see with the lobe `phase`, which need not be the medium's.
+    /// What `samples` paths a pixel see with the phase function `phase`, which need not be the medium's.
     ///
     /// # Errors
     /// As [`trace_image`].
-    pub fn trace(&self, phase: &impl PhaseFunction, samples: u32, seed: u64) -> Result<TracedImage> {
+    pub fn trace(&self, phase: impl PhaseFunction + Copy, samples: u32, seed: u64) -> Result<TracedImage> {
         let config = ImageConfig {
             geometry: &self.geometry()?,
             radiance: &self.texture.image(self.side),
             behind: &[],
             border: Border::Zero,
             view: View::whole(self.side, self.side),
-            medium: self.medium.medium()?,
+            medium: self.medium.with_phase(phase),
             samples,
             seed,
         };
-        trace_image(&config, phase, &|_| ())
+        trace_image(&config, &|_| ())
     }
 
     /// The scene to fit to `observed`, whose pixels have the standard deviation `noise` if that is known; of the medium only
@@ -145,30 +145,29 @@ impl Setting {
     ///
     /// # Errors
     /// As [`Geometry::planar`].
-    pub fn scene(&self, observed: Image, noise: Option<f64>) -> Result<Scene> {
+    pub fn scene(&self, observed: Image, noise: Option<f64>) -> Result<ObservedScene> {
         let gray = |image: Image| vec![Channel { name: "Y".into(), image }];
-        Ok(Scene {
+        let scene = Scene {
             path: PathBuf::from("plane"),
             object: gray(self.texture.image(self.side)),
-            shading: None,
             behind: vec![Vec::new()],
             geometry: self.geometry()?,
             depth_error: 0.0,
             border: Border::Zero,
             view: View::whole(self.side, self.side),
-            observation: Some(Observation {
-                path: PathBuf::from("plane"),
-                image: gray(observed),
-                noise: noise.map(Noise::Level),
-                mask: None,
-                gain: Gain::Fixed(1.0),
-                veil: Veil::Fixed(0.0),
-                gain_error: 0.0,
-                hidden_share_max: 0.01,
-            }),
             medium: vec![PartialMedium::default()],
-            illumination: None,
-            fit: vec![FitOptions { family: self.medium.family, ..FitOptions::default() }],
-        })
+            fit: vec![FitOptions { family: self.medium.phase().family(), ..FitOptions::default() }],
+        };
+        let observation = Observation {
+            path: PathBuf::from("plane"),
+            image: gray(observed),
+            noise: noise.map(Noise::Level),
+            mask: None,
+            gain: Gain::Fixed(1.0),
+            veil: Veil::Fixed(0.0),
+            gain_error: 0.0,
+            hidden_share_max: 0.01,
+        };
+        Ok(ObservedScene { scene, observation })
     }
 }

@@ -10,7 +10,7 @@ use crate::filter::{Backend, Filter};
 use crate::fit::ladder::climb;
 use crate::fit::scenes::{SceneFit, fit_scenes};
 use crate::fit::{Method as Solver, Parameters, Settings, Status};
-use crate::scene::Scene;
+use crate::scene::ObservedScene;
 use crate::spread::Model;
 use nalgebra::Vector3;
 use std::time::Instant;
@@ -56,7 +56,7 @@ impl Method {
     ///
     /// # Errors
     /// As [`fit_scenes`].
-    pub fn fit(self, scene: &Scene, backend: Backend) -> Result<SceneFit> {
+    pub fn fit(self, scene: &ObservedScene, backend: Backend) -> Result<SceneFit> {
         let settings = Settings {
             model: self.model.unwrap_or(Model::SmallAngle),
             backend,
@@ -72,7 +72,7 @@ impl Method {
     }
 
     /// Fits `scene` and holds the outcome against the `truth`; `compared` are the parameters that have one.
-    pub fn try_on(self, scene: &Scene, setting: &Setting, compared: [bool; 3]) -> Outcome {
+    pub fn try_on(self, scene: &ObservedScene, setting: &Setting, compared: [bool; 3]) -> Outcome {
         let clock = Instant::now();
         let mut outcome = Outcome::new(self.fit(scene, Backend::Cpu), setting, compared);
         outcome.seconds = clock.elapsed().as_secs_f64();

@@ -7,8 +7,9 @@ use crate::fit::Method as Solver;
 use crate::fit::noise::with_noise;
 use crate::geometry::Geometry;
 use crate::image::Image;
-use crate::phase::{HenyeyGreenstein, b_of_spread_angle};
-use crate::scene::{MediumValues, Scene};
+use crate::medium::Medium;
+use crate::phase::{HenyeyGreenstein, PhaseFunction, b_of_spread_angle};
+use crate::scene::ObservedScene;
 use crate::spread::Model;
 use crate::trace::log_spaced;
 use rayon::prelude::*;
@@ -74,10 +75,13 @@ const NOISE: f64 = 0.005;
 const CLEANER: u32 = 8;
 
 /// A plane at scattering depth `tau` in a medium of this spread angle; a pixel is a fifth of the width z sqrt(B).
-pub fn plane(tau: f64, spread_angle_deg: f64, side: usize) -> Setting {
+///
+/// # Errors
+/// As [`Medium::gaussian`].
+pub fn plane(tau: f64, spread_angle_deg: f64, side: usize) -> Result<Setting> {
     let b = b_of_spread_angle(spread_angle_deg.to_radians());
-    let medium = MediumValues::gaussian(tau / Z, 0.3 / Z, b);
-    Setting { texture: Texture::Checker, side, pixel_pitch: 0.2 * Z * b.sqrt(), z: Z, medium }
+    let medium = Medium::gaussian(tau / Z, 0.3 / Z, b)?;
+    Ok(Setting { texture: Texture::Checker, side, pixel_pitch: 0.2 * Z * b.sqrt(), z: Z, medium })
 }
 
 /// What traces and fits are reported to: how many of them are done.
@@ -91,9 +95,9 @@ pub fn grid(extent: &Extent, seed: u64, tick: Tick) -> Result<Vec<Trial>> {
     let mut trials = Vec::new();
     for (i, &tau) in extent.tau.iter().enumerate() {
         for (j, &degrees) in extent.spread_angle_deg.iter().enumerate() {
-            let setting = plane(tau, degrees, extent.side);
+            let setting = plane(tau, degrees, extent.side)?;
             let seed = seed + (i * extent.spread_angle_deg.len() + j) as u64;
-            let image = setting.trace(&setting.medium.lobe()?, extent.samples, seed)?.mean;
+            let image = setting.trace(*setting.medium.phase(), extent.samples, seed)?.mean;
             let scene = setting.scene(image, None)?;
             trials.extend(fits("grid", (tau, String::new()), &setting, &scene, &METHODS, [true; 3]));
             tick(1);
@@ -106,7 +110,7 @@ fn fits(
     sweep: &'static str,
     (level, label): (f64, String),
     setting: &Setting,
-    scene: &Scene,
+    scene: &ObservedScene,
     methods: &[Method],
     compared: [bool; 3],
 ) -> Vec<Trial> {
@@ -124,14 +128,14 @@ fn fits(
 /// Number of traces that [`sweeps`] makes.
 pub const SWEEP_TRACES: u64 = 2 * (1 + 4 + 7 + 4);
 
-/// Fits along all sweeps, around a medium of narrow lobes and one of wide lobes.
+/// Fits along all sweeps, around a medium of a narrow phase function and one of a wide one.
 ///
 /// # Errors
 /// As [`Setting::trace`].
 pub fn sweeps(extent: &Extent, seed: u64, tick: Tick) -> Result<Vec<Trial>> {
     let mut trials = Vec::new();
     for (i, degrees) in [6.0, 30.0].into_iter().enumerate() {
-        let base = plane(1.5, degrees, extent.side);
+        let base = plane(1.5, degrees, extent.side)?;
         let sweep =
             Sweeps { base, samples: extent.samples * CLEANER, seed: seed + 1000 * (i as u64 + 1), tick };
         trials.extend(sweep.all()?);
@@ -161,13 +165,13 @@ impl Sweeps<'_> {
     }
 
     fn trace(&self, setting: &Setting) -> Result<Image> {
-        let image = setting.trace(&setting.medium.lobe()?, self.samples, self.seed)?.mean;
+        let image = setting.trace(*setting.medium.phase(), self.samples, self.seed)?.mean;
         (self.tick)(1);
         Ok(image)
     }
 
     /// The scene of `clean` with the usual noise.
-    fn noisy(&self, setting: &Setting, clean: &Image) -> Result<Scene> {
+    fn noisy(&self, setting: &Setting, clean: &Image) -> Result<ObservedScene> {
         setting.scene(with_noise(clean, NOISE * clean.mean(), self.seed), None)
     }
 
@@ -187,7 +191,7 @@ impl Sweeps<'_> {
                 let mut scene = self.noisy(&self.base, clean)?;
                 let [s, a, b] = self.base.truth();
                 let off = |k: usize| 10f64.powf(decades * f64::from(sign[k]));
-                scene.fit[0].start = [Some(s * off(0)), Some(a), Some(b * off(1))];
+                scene.scene.fit[0].start = [Some(s * off(0)), Some(a), Some(b * off(1))];
                 let place =
                     (decades + 10.0 * i as f64, format!("sigma_s x {:.3}, B x {:.3}", off(0), off(1)));
                 trials.extend(fits("start", place, &self.base, &scene, &SOLVED, [true; 3]));
@@ -210,7 +214,7 @@ impl Sweeps<'_> {
     /// From kernels of a tenth of a pixel to ones of twice the view.
     fn pitches(&self) -> Result<Vec<Trial>> {
         let mut trials = Vec::new();
-        let width = Z * self.base.medium.shape.sqrt();
+        let width = Z * self.base.medium.phase().parameter().sqrt();
         for width_px in [0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 2.0 * self.base.side as f64] {
             let setting = Setting { pixel_pitch: width / width_px, ..self.base };
             let scene = self.noisy(&setting, &self.trace(&setting)?)?;
@@ -232,24 +236,24 @@ impl Sweeps<'_> {
         for error in [0.01, 0.02, 0.05, 0.1] {
             let mut scene = self.noisy(&self.base, clean)?;
             let Setting { side, pixel_pitch, z, .. } = self.base;
-            scene.geometry = Geometry::planar(side, side, pixel_pitch, z * (1.0 + error))?;
-            scene.depth_error = error;
+            scene.scene.geometry = Geometry::planar(side, side, pixel_pitch, z * (1.0 + error))?;
+            scene.scene.depth_error = error;
             trials.extend(fits("depth error", (error, String::new()), &self.base, &scene, &SWEPT, [true; 3]));
 
             let mut brighter = clean.clone();
             brighter.data.iter_mut().for_each(|v| *v *= 1.0 + error as f32);
             let mut scene = self.noisy(&self.base, &brighter)?;
-            scene.observation.as_mut().expect("made with one").gain_error = error;
+            scene.observation.gain_error = error;
             trials.extend(fits("gain error", (error, String::new()), &self.base, &scene, &SWEPT, [true; 3]));
         }
         Ok(trials)
     }
 
-    /// Henyey-Greenstein's lobes: B means nothing for them.
+    /// Henyey-Greenstein's phase functions: B means nothing for them.
     fn phase_functions(&self) -> Result<Vec<Trial>> {
         let mut trials = Vec::new();
         for g in [0.99, 0.95, 0.9, 0.8] {
-            let image = self.base.trace(&HenyeyGreenstein::new(g)?, self.samples, self.seed)?.mean;
+            let image = self.base.trace(HenyeyGreenstein::new(g)?, self.samples, self.seed)?.mean;
             (self.tick)(1);
             let scene = self.noisy(&self.base, &image)?;
             let place = (g, String::new());
@@ -272,9 +276,9 @@ impl Sweeps<'_> {
         for change in [0.02, 0.05, 0.1, 0.2, 0.5] {
             let at = |k: usize| 1.0 + change * (2.0 * k as f64 / (SHARES - 1) as f64 - 1.0);
             let render = |k: usize| {
-                let mut setting = self.base;
-                setting.medium.sigma_s *= at(k);
-                setting.render(Model::WideAngle)
+                let base = self.base.medium;
+                let medium = Medium::new(base.sigma_s() * at(k), base.sigma_a(), *base.phase())?;
+                Setting { medium, ..self.base }.render(Model::WideAngle)
             };
             let renders = (0..SHARES).map(render).collect::<Result<Vec<_>>>()?;
             let side = self.base.side;
@@ -295,7 +299,7 @@ impl Sweeps<'_> {
         let mut trials = Vec::new();
         for share in [0.01, 0.05, 0.2, 0.5] {
             let mut scene = self.noisy(&self.base, clean)?;
-            let image = &mut scene.observation.as_mut().expect("made with one").image[0].image;
+            let image = &mut scene.observation.image[0].image;
             let mut sorted = image.data.clone();
             sorted.sort_by(f32::total_cmp);
             let top = sorted[((1.0 - share) * (sorted.len() - 1) as f64) as usize];

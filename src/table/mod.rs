@@ -5,12 +5,13 @@ mod mixture;
 mod once;
 
 use crate::error::Result;
-use crate::phase::{Lobe, PhaseFunction};
+use crate::medium::Medium;
+use crate::phase::{Phase, PhaseFunction};
 use crate::spread::wide_angle::layout::{Layout, Place, bending};
-use crate::trace::{Likelihood, Scattered, Turbid, log_spaced, trace_histories};
+use crate::trace::{Likelihood, Scattered, log_spaced, trace_histories};
 use mixture::Laid;
 
-/// Edges of the radius bins, in units of z times the lobe's planar width.
+/// Edges of the radius bins, in units of z times the planar width of the phase function.
 fn edges() -> Vec<f64> {
     log_spaced(1e-4, 1e4, 231)
 }
@@ -22,16 +23,16 @@ struct Radial {
 }
 
 impl Radial {
-    /// Adds the light scattered more than once of traced paths, so many with this seed, between `edges` in units of `width`.
-    fn trace(
+    /// Adds the light scattered more than once of traced paths in `medium`, lengths in units of z, between `edges` in units of
+    /// z times the planar width.
+    fn trace<P: Likelihood>(
         &mut self,
-        tau: f64,
-        absorption: f64,
-        phase: impl Likelihood,
-        (edges, width): (&[f64], f64),
-        (paths, seed): (u64, u64),
+        medium: Medium<P>,
+        edges: &[f64],
+        paths: u64,
+        seed: u64,
     ) -> Result<()> {
-        let medium = Turbid { sigma_s: tau, sigma_a: absorption, phase };
+        let width = medium.phase().planar_width();
         let histories = trace_histories(medium, Scattered::Twice, paths, seed)?;
         for history in &histories.paths {
             let bin = edges.partition_point(|&e| e <= f64::from(history.radius) / width);
@@ -59,22 +60,22 @@ fn effort(place: &Place) -> f64 {
 /// # Errors
 /// Those of the tracer.
 pub fn node(layout: &Layout, place: &Place, paths: u64, seed: u64) -> Result<Vec<f32>> {
-    let Place { tau, absorption, shape, angle } = *place;
-    let lobe = layout.family.lobe(shape)?;
-    let (edges, width) = (edges(), lobe.planar_width());
-    let mut radial = once::radial(tau, absorption, &lobe, &edges);
-    let paths = ((paths as f64 * effort(place)).ceil() as u64, seed);
-    match lobe {
-        Lobe::Gaussian(phase) => radial.trace(tau, absorption, phase, (&edges, width), paths)?,
-        Lobe::HenyeyGreenstein(phase) => radial.trace(tau, absorption, phase, (&edges, width), paths)?,
+    let medium = Medium::new(place.tau, place.absorption, layout.family.phase(place.phase)?)?;
+    let edges = edges();
+    let mut radial = once::radial(&medium, &edges);
+    let paths = (paths as f64 * effort(place)).ceil() as u64;
+    match *medium.phase() {
+        Phase::Gaussian(phase) => radial.trace(medium.with_phase(phase), &edges, paths, seed)?,
+        Phase::HenyeyGreenstein(phase) => radial.trace(medium.with_phase(phase), &edges, paths, seed)?,
     }
-    let phi = -(-absorption).exp() * (-tau).exp_m1();
+    let phi = medium.scattered_total(1.0);
     let (total, rise) = (radial.light.iter().sum::<f64>(), radial.slope.iter().sum::<f64>());
     let light = Laid::light(layout.rungs, &edges).shares(&radial.light);
     let slope = Laid::slope(layout.rungs, &edges).shares(&radial.slope);
     // The gradient of a Gaussian of width s, r/s² G, has the integral sqrt(pi/2)/s.
     let per_light = rise / (total * (0.5 * std::f64::consts::PI).sqrt());
-    let logarithms = [(total / phi).ln() / bending(angle), (per_light / width).ln()];
+    let logarithms =
+        [(total / phi).ln() / bending(place.angle), (per_light / medium.phase().planar_width()).ln()];
     let roots = light.iter().chain(&slope).map(|share| share.sqrt());
     Ok(logarithms.into_iter().chain(roots).map(|v| v as f32).collect())
 }

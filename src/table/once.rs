@@ -9,17 +9,19 @@
 //! and its slope is tan(theta).
 
 use super::Radial;
-use crate::phase::{Family, Lobe, PhaseFunction};
+use crate::medium::Medium;
+use crate::phase::{Family, Phase, PhaseFunction};
 use crate::quadrature::nodes;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Light scattered once in the bins between `edges`, in units of z times the lobe's planar width.
-pub(super) fn radial(tau: f64, absorption: f64, phase: &Lobe, edges: &[f64]) -> Radial {
-    let width = phase.planar_width();
+/// Light scattered once in the bins between `edges`, in units of z times the planar width of the phase function, of
+/// `medium`, lengths in units of z.
+pub(super) fn radial(medium: &Medium, edges: &[f64]) -> Radial {
+    let width = medium.phase().planar_width();
     let within: Vec<[f64; 2]> = edges
         .iter()
-        .map(|x| encircled(tau, absorption, phase, x * width))
-        .chain([encircled(tau, absorption, phase, f64::INFINITY)])
+        .map(|x| encircled(medium, x * width))
+        .chain([encircled(medium, f64::INFINITY)])
         .collect();
     let between = |i: usize| -> Vec<f64> {
         let mut last = 0.0;
@@ -28,9 +30,9 @@ pub(super) fn radial(tau: f64, absorption: f64, phase: &Lobe, edges: &[f64]) -> 
     Radial { light: between(0), slope: between(1) }
 }
 
-/// Angles between which the integrand is smooth on the scale of the first of them or of the lobe's width, around the kink at
-/// `bend`. Twenty widths of a Gaussian hold all but exp(-100); Henyey-Greenstein's lobe falls like a power.
-fn pieces(phase: &Lobe, bend: f64) -> Vec<f64> {
+/// Angles between which the integrand is smooth on the scale of the first of them or of the phase function's width, around the kink at
+/// `bend`. Twenty widths of a Gaussian hold all but exp(-100); Henyey-Greenstein's falls like a power.
+fn pieces(phase: &Phase, bend: f64) -> Vec<f64> {
     let width = phase.planar_width();
     match phase.family() {
         Family::Gaussian => {
@@ -47,8 +49,8 @@ fn pieces(phase: &Lobe, bend: f64) -> Vec<f64> {
 }
 
 /// Light, and light times slope, within radius `r`.
-fn encircled(tau: f64, absorption: f64, phase: &Lobe, r: f64) -> [f64; 2] {
-    let t = tau + absorption;
+fn encircled(medium: &Medium, r: f64) -> [f64; 2] {
+    let (phase, t) = (medium.phase(), medium.sigma_t());
     let mut sums = [0.0; 2];
     for piece in pieces(phase, r.atan()).windows(2) {
         let (from, to) = (piece[0], piece[1]);
@@ -67,5 +69,5 @@ fn encircled(tau: f64, absorption: f64, phase: &Lobe, r: f64) -> [f64; 2] {
             sums[1] += light * sin / cos;
         }
     }
-    sums.map(|s| tau * (-t).exp() * s)
+    sums.map(|s| medium.sigma_s() * (-t).exp() * s)
 }

@@ -5,23 +5,24 @@
 //!
 //! - *The first scattering is drawn before the plane*, with density tau exp(-tau t)/(1 - exp(-tau)): no path is spent
 //!   on direct light. Its depths are stratified, one in each of as many equal shares as there are paths.
-//! - *So is the second*, if only light scattered more than once is asked for: every path is worth the chance that it
-//!   scatters again before it leaves, and is copied as often as it is worth. Where small-angle theory holds, all paths that
+//! - *So is the second*, if only light scattered more than once is asked for: the importance of a path is the chance that it
+//!   scatters again before it leaves, and it is copied in proportion to it. Where small-angle theory holds, all paths that
 //!   scatter so often arrive: their light then has no noise at all.
 //! - *Absorption of the excess length is played, not weighed.* A segment of length l and direction cosine mu exceeds
 //!   its depth l mu by l (1 - mu), so a path dies at the rate a (1 - mu), and arrives with the chance
 //!   E[exp(-a (L - 1))]: the weight exp(-a) is left, the same for all.
 //! - *Multilevel splitting* (Kahn and Harris 1951; Garvels 2000): those that reach the next of eight depths for the
 //!   first time are copied until they are as many again as set out, and each counts for the share that got there. The
-//!   product of the shares estimates without bias the light that arrives, be it exp(-20).
+//!   product of the shares estimates without bias the light that arrives, even if it is exp(-20).
 //!
-//! Copies are drawn systematically (Kitagawa 1996): a path of m times the mean worth has m copies, rounded up or down, so
+//! Copies are drawn systematically (Kitagawa 1996): a path of m times the mean importance has m copies, rounded up or down, so
 //! drawing them adds no noise to the light, and little to where it falls.
 
-use super::likelihood::{Likelihood, Turbid};
+use super::likelihood::Likelihood;
 use super::path::{Path, free_path};
 use super::rng::Stream;
 use crate::error::{Result, in_range};
+use crate::medium::Medium;
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -47,7 +48,7 @@ pub struct History<M> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Histories<P: Likelihood> {
     /// The medium they were traced in, lengths in units of the plane's depth.
-    pub medium: Turbid<P>,
+    pub medium: Medium<P>,
     /// Light that each stands for, as a share of what set out.
     pub weight: f64,
     /// The paths that arrived.
@@ -79,20 +80,21 @@ pub enum Scattered {
 /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless sigma_s z is finite and above 0, sigma_a z finite and at least 0, and
 /// `paths` between 1 and 2^32.
 pub fn trace_histories<P: Likelihood>(
-    medium: Turbid<P>,
+    medium: Medium<P>,
     scattered: Scattered,
     paths: u64,
     seed: u64,
 ) -> Result<Histories<P>> {
-    let Turbid { sigma_s: tau, sigma_a: absorption, phase } = medium;
+    let (tau, absorption, phase) = (medium.sigma_s(), medium.sigma_a(), *medium.phase());
     in_range("sigma_s z", tau, tau.is_finite() && tau > 0.0, "finite and above 0")?;
     in_range("sigma_a z", absorption, absorption.is_finite() && absorption >= 0.0, "finite and at least 0")?;
     in_range("paths", paths as f64, (1..=1 << 32).contains(&paths), "between 1 and 2^32")?;
     let walk = Walk { tau: tau as f32, absorption: absorption as f32, phase, record: phase.recorder() };
     let seeds = Stream::key(seed);
     let key = |stage: u64| Stream::key(seeds.wrapping_add(stage));
-    let copies =
-        |worth: &[f64], stage: u64| systematic(worth, paths, Stream::new(key(stage), paths).uniform_f64());
+    let copies = |importance: &[f64], stage: u64| {
+        systematic(importance, paths, Stream::new(key(stage), paths).uniform_f64())
+    };
 
     let mut weight = -(-tau).exp_m1() * (-absorption).exp() / paths as f64;
     let first = |i: u64| {
@@ -102,13 +104,13 @@ pub fn trace_histories<P: Likelihood>(
     };
     let mut walkers: Vec<Walker<P::Memory>> = (0..paths).into_par_iter().map(first).collect();
     if scattered == Scattered::Twice {
-        let worth: Vec<f64> = walkers.par_iter().map(|walker| walk.chance(walker)).collect();
-        weight *= worth.iter().sum::<f64>() / paths as f64;
+        let importance: Vec<f64> = walkers.par_iter().map(|walker| walk.chance(walker)).collect();
+        weight *= importance.iter().sum::<f64>() / paths as f64;
         let stage = LEVELS + 1;
         let again = |(i, from): (usize, usize)| {
-            walk.next_scattering(walkers[from], worth[from], &mut Stream::new(key(stage), i as u64))
+            walk.next_scattering(walkers[from], importance[from], &mut Stream::new(key(stage), i as u64))
         };
-        walkers = copies(&worth, stage).into_par_iter().enumerate().map(again).collect();
+        walkers = copies(&importance, stage).into_par_iter().enumerate().map(again).collect();
     }
     for level in 1..=LEVELS {
         let depth = level as f32 / LEVELS as f32;
@@ -128,15 +130,15 @@ pub fn trace_histories<P: Likelihood>(
     Ok(Histories { medium, weight, paths: walkers.iter().map(Walker::history).collect() })
 }
 
-/// Whose copies `paths` paths are if every walker has as many as it is worth, relative to the mean, rounded up or down as
+/// Whose copies `paths` paths are if every walker has as many as its importance, relative to the mean, rounded up or down as
 /// `offset`, between 0 and 1, has it.
-fn systematic(worth: &[f64], paths: u64, offset: f64) -> Vec<usize> {
-    let step = worth.iter().sum::<f64>() / paths as f64;
-    let (mut from, mut up_to) = (0, worth[0]);
+fn systematic(importance: &[f64], paths: u64, offset: f64) -> Vec<usize> {
+    let step = importance.iter().sum::<f64>() / paths as f64;
+    let (mut from, mut up_to) = (0, importance[0]);
     let copy = |i: u64| {
-        while up_to <= (i as f64 + offset) * step && from + 1 < worth.len() {
+        while up_to <= (i as f64 + offset) * step && from + 1 < importance.len() {
             from += 1;
-            up_to += worth[from];
+            up_to += importance[from];
         }
         from
     };
@@ -178,7 +180,7 @@ impl<P: Likelihood, R: Fn(f32, &mut P::Memory)> Walk<P, R> {
         -f64::from(self.tau / rate) * (-f64::from(rate * way)).exp_m1()
     }
 
-    /// A path after its next scattering in the layer, whose `chance` it is worth.
+    /// A path after its next scattering in the layer, whose `chance` is its importance.
     fn next_scattering(
         &self,
         mut walker: Walker<P::Memory>,

@@ -1,4 +1,4 @@
-//! Hits: an image of a scene as the paths that make it, so that it can be made anew for neighbouring media.
+//! Hits: an image of a scene as the paths that make it, so that it can be made again for neighbouring media.
 //!
 //! Every pixel has paths of its own, followed to the real surface as those of [`trace_image`](super::trace_image) are, with
 //! its edges and slopes. Kept of each that meets light are n, L, its deflections and the radiance it meets; the image in
@@ -10,11 +10,12 @@
 //! (docs/wide-angle.md, tests/traced_shapes.rs).
 
 use super::image::{ImageConfig, checked};
-use super::likelihood::{Effective, Information, Likelihood, Reweighting, Turbid};
+use super::likelihood::{Effective, Information, Likelihood, Reweighting};
 use super::rng::Stream;
 use super::scene::Tracer;
 use crate::error::{Result, in_range};
 use crate::image::{Image, View};
+use crate::medium::Medium;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -44,7 +45,7 @@ struct Direct {
 
 /// The paths of an image.
 pub struct Hits<P: Likelihood> {
-    medium: Turbid<P>,
+    medium: Medium<P>,
     view: View,
     paths: u64,
     direct: Vec<Direct>,
@@ -62,7 +63,7 @@ impl<P: Likelihood> Hits<P> {
     ///
     /// # Errors
     /// As [`trace_image`](super::trace_image), and [`Error::OutOfRange`](crate::Error::OutOfRange) unless sigma_s is above 0.
-    pub fn trace(config: &ImageConfig, phase: &P, progress: &(dyn Fn(u64) + Sync)) -> Result<Self> {
+    pub fn trace(config: &ImageConfig<P>, progress: &(dyn Fn(u64) + Sync)) -> Result<Self> {
         config.check()?;
         let (sigma_s, sigma_a) = (config.medium.sigma_s(), config.medium.sigma_a());
         in_range(
@@ -72,8 +73,8 @@ impl<P: Likelihood> Hits<P> {
             "above 0: without scattering there are no paths to reweight",
         )?;
         let view = config.view;
-        let tracer = Tracer::new(config, phase);
-        let (record, key) = (phase.recorder(), Stream::key(config.seed));
+        let tracer = Tracer::new(config);
+        let (record, key) = (config.medium.phase().recorder(), Stream::key(config.seed));
         let each = u64::from(config.samples).div_ceil(BATCHES as u64);
         let samples = each * BATCHES as u64;
         let row = |y: usize| -> Row<P::Memory> {
@@ -114,12 +115,11 @@ impl<P: Likelihood> Hits<P> {
         let hits = rows.into_iter().flat_map(|(hits, _)| hits).collect();
         let direct = |i: usize| direct(&tracer, view.x + i % view.width, view.y + i / view.width);
         let direct = (0..view.pixels()).into_par_iter().map(direct).collect();
-        let medium = Turbid { sigma_s, sigma_a, phase: *phase };
-        Ok(Self { medium, view, paths: samples * view.pixels() as u64, direct, hits, starts })
+        Ok(Self { medium: config.medium, view, paths: samples * view.pixels() as u64, direct, hits, starts })
     }
 
     /// The medium that the paths were traced in.
-    pub fn medium(&self) -> &Turbid<P> {
+    pub fn medium(&self) -> &Medium<P> {
         &self.medium
     }
 
@@ -128,11 +128,11 @@ impl<P: Likelihood> Hits<P> {
         self.paths
     }
 
-    /// The image in `medium` and its derivatives in sigma_s, sigma_a and the lobe's shape, by the paths of some `batches`.
+    /// The image in `medium` and its derivatives in sigma_s, sigma_a and the phase-function parameter, by the paths of some `batches`.
     ///
     /// # Errors
     /// [`Error::NotFinite`](crate::Error::NotFinite) if a pixel comes out so.
-    pub fn image(&self, medium: &Turbid<P>, batches: Range<usize>) -> Result<[Image; 4]> {
+    pub fn image(&self, medium: &Medium<P>, batches: Range<usize>) -> Result<[Image; 4]> {
         let reweighting = Reweighting::new(&self.medium, medium);
         let part = BATCHES as f64 / batches.len() as f64;
         let pixel = |i: usize| -> [f32; 4] {
@@ -144,7 +144,7 @@ impl<P: Likelihood> Hits<P> {
                 sums[0] += light;
                 sums[1..].iter_mut().zip(weight.slopes).for_each(|(sum, slope)| *sum += light * slope);
             }
-            let direct = self.direct[i].through(medium.sigma_s + medium.sigma_a);
+            let direct = self.direct[i].through(medium.sigma_t());
             std::array::from_fn(|c| (part * sums[c] + direct[c]) as f32)
         };
         let pixels: Vec<[f32; 4]> = (0..self.view.pixels()).into_par_iter().map(pixel).collect();
@@ -154,7 +154,7 @@ impl<P: Likelihood> Hits<P> {
     }
 
     /// How well the paths serve `medium`, see [`Effective::share`].
-    pub fn effective_share(&self, medium: &Turbid<P>) -> f64 {
+    pub fn effective_share(&self, medium: &Medium<P>) -> f64 {
         let reweighting = Reweighting::new(&self.medium, medium);
         let mut effective = Effective::default();
         for hit in &self.hits {

@@ -15,12 +15,12 @@ use crate::error::{Error, Result, in_range};
 use crate::geometry::{Field, Geometry};
 use crate::image::{Border, Image, View};
 use crate::medium::Medium;
-use crate::phase::PhaseFunction;
+use crate::phase::{Phase, PhaseFunction};
 use rayon::prelude::*;
 
 /// What to trace. A colour object is traced a channel at a time, each with its own medium.
 #[derive(Debug, Clone, Copy)]
-pub struct ImageConfig<'a> {
+pub struct ImageConfig<'a, P = Phase> {
     /// Camera, object distance, medium surface.
     pub geometry: &'a Geometry,
     /// Clear radiance of the object, the size of `geometry`.
@@ -32,7 +32,7 @@ pub struct ImageConfig<'a> {
     /// The part of the object image to trace.
     pub view: View,
     /// The medium between surface and object.
-    pub medium: Medium,
+    pub medium: Medium<P>,
     /// Paths a pixel, at least 2.
     pub samples: u32,
     /// Seed of the random numbers. Channels and scenes that are to be independent need different ones.
@@ -50,7 +50,7 @@ pub struct TracedImage {
     pub paths: u64,
 }
 
-impl ImageConfig<'_> {
+impl<P> ImageConfig<'_, P> {
     pub(super) fn check(&self) -> Result<()> {
         let (g, size) = (self.geometry, (self.geometry.width, self.geometry.height));
         let same = |name: &str, image: &Image| {
@@ -89,14 +89,13 @@ impl ImageConfig<'_> {
 /// # Errors
 /// [`Error::OutOfRange`] for sizes that do not fit, less than 2 samples, or what [`Geometry::check`] refuses;
 /// [`Error::NothingToFit`] if no pixel shows an object; [`Error::NotFinite`] if a pixel comes out so.
-pub fn trace_image<P: PhaseFunction>(
-    config: &ImageConfig,
-    phase: &P,
+pub fn trace_image<P: PhaseFunction + Copy>(
+    config: &ImageConfig<P>,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<TracedImage> {
     config.check()?;
     let View { width, height, .. } = config.view;
-    let tracer = Tracer::new(config, phase);
+    let tracer = Tracer::new(config);
     let key = Stream::key(config.seed);
     let row = |y: usize| -> Vec<[f32; 2]> {
         let pixels = (0..width).map(|x| pixel(config, &tracer, key, x, y)).collect();
@@ -121,8 +120,8 @@ pub(super) fn checked<const N: usize>(pixels: &[[f32; N]], width: usize) -> Resu
 }
 
 /// Mean and variance of the mean of pixel (`x`, `y`) of the view.
-fn pixel<P: PhaseFunction>(
-    config: &ImageConfig,
+fn pixel<P: PhaseFunction + Copy>(
+    config: &ImageConfig<P>,
     tracer: &Tracer<P>,
     key: u64,
     x: usize,

@@ -10,43 +10,33 @@
 
 use crate::chebyshev::Chebyshev;
 use crate::error::Result;
+use crate::medium::Medium;
 use crate::phase::{Gaussian, HenyeyGreenstein, PhaseFunction};
 use std::fmt::Debug;
-
-/// A homogeneous medium with its lobe, in any unit of length.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Turbid<P> {
-    /// Scattering coefficient, 1/length.
-    pub sigma_s: f64,
-    /// Absorption coefficient, 1/length.
-    pub sigma_a: f64,
-    /// The phase function.
-    pub phase: P,
-}
 
 /// A phase function whose paths can be reweighted to others of its family.
 pub trait Likelihood: PhaseFunction + Copy + PartialEq {
     /// What a path remembers of its deflections, an array of f32.
     type Memory: AsRef<[f32]> + AsMut<[f32]> + Default + Copy + PartialEq + Debug + Send + Sync;
 
-    /// This family's lobe of another shape, B (rad²) or g.
+    /// This family's phase function of another parameter, B (rad²) or g.
     ///
     /// # Errors
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) if there is none.
-    fn of_shape(shape: f64) -> Result<Self>;
+    fn of_parameter(parameter: f64) -> Result<Self>;
 
-    /// How far ln B or ln(1 - g) of another lobe may lie from that of this one for its paths' memory to serve it.
+    /// How far ln B or ln(1 - g) of another phase function may lie from that of this one for its paths' memory to serve it.
     const FARTHEST: f64;
 
-    /// What reckons a deflection into a path's memory.
+    /// What adds a deflection to a path's memory.
     fn recorder(&self) -> impl Fn(f32, &mut Self::Memory) + Send + Sync;
 
-    /// The change of a path's log-density from this lobe to another, no farther than [`FARTHEST`](Self::FARTHEST).
+    /// The change of a path's log-density from this phase function to another, no farther than [`FARTHEST`](Self::FARTHEST).
     fn change(&self, to: &Self) -> Change;
 }
 
 /// A change of log-density that is linear in n and in what a path remembers: for each the coefficient, and its derivative
-/// in the shape of the lobe that it leads to.
+/// in the parameter of the phase function that it leads to.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Change {
     per_scattering: [f64; 2],
@@ -57,8 +47,8 @@ impl Likelihood for Gaussian {
     type Memory = [f32; 1];
     const FARTHEST: f64 = f64::INFINITY;
 
-    fn of_shape(shape: f64) -> Result<Self> {
-        Gaussian::new(shape)
+    fn of_parameter(parameter: f64) -> Result<Self> {
+        Gaussian::new(parameter)
     }
 
     fn recorder(&self) -> impl Fn(f32, &mut Self::Memory) + Send + Sync {
@@ -88,7 +78,7 @@ impl HenyeyGreenstein {
     }
 }
 
-/// ln p of Henyey and Greenstein's lobe of mean cosine `g` at 1 - cos theta = `m`.
+/// ln p of Henyey and Greenstein's phase function of mean cosine `g` at 1 - cos theta = `m`.
 fn log_density(g: f64, m: f64) -> f64 {
     (1.0 - g * g).ln() - 1.5 * ((1.0 - g) * (1.0 - g) + 2.0 * g * m).ln()
 }
@@ -97,8 +87,8 @@ impl Likelihood for HenyeyGreenstein {
     type Memory = [f32; NODES];
     const FARTHEST: f64 = HALF_WIDTH;
 
-    fn of_shape(shape: f64) -> Result<Self> {
-        HenyeyGreenstein::new(shape)
+    fn of_parameter(parameter: f64) -> Result<Self> {
+        HenyeyGreenstein::new(parameter)
     }
 
     fn recorder(&self) -> impl Fn(f32, &mut Self::Memory) + Send + Sync {
@@ -122,13 +112,14 @@ impl Likelihood for HenyeyGreenstein {
 /// From a path of one medium to its weight in another.
 #[derive(Debug, Clone)]
 pub struct Reweighting {
-    lobe: Change,
+    phase: Change,
     per_scattering: f64,
     per_length: f64,
     sigma_s: f64,
 }
 
-/// A path's weight in the other medium, and the derivatives of its logarithm in sigma_s, sigma_a and the lobe's shape.
+/// A path's weight in the other medium, and the derivatives of its logarithm in sigma_s, sigma_a and the phase-function
+/// parameter.
 #[derive(Debug, Clone, Copy)]
 pub struct Weight {
     /// Ratio of the likelihoods.
@@ -138,15 +129,15 @@ pub struct Weight {
 }
 
 impl Reweighting {
-    /// From the medium that the paths were traced in to another, its lobe no farther than
+    /// From the medium that the paths were traced in to another, its phase function no farther than
     /// [`FARTHEST`](Likelihood::FARTHEST).
-    pub fn new<P: Likelihood>(from: &Turbid<P>, to: &Turbid<P>) -> Self {
-        let lobe = from.phase.change(&to.phase);
+    pub fn new<P: Likelihood>(from: &Medium<P>, to: &Medium<P>) -> Self {
+        let phase = from.phase().change(to.phase());
         Self {
-            per_scattering: (to.sigma_s / from.sigma_s).ln() + lobe.per_scattering[0],
-            per_length: from.sigma_s + from.sigma_a - to.sigma_s - to.sigma_a,
-            sigma_s: to.sigma_s,
-            lobe,
+            per_scattering: (to.sigma_s() / from.sigma_s()).ln() + phase.per_scattering[0],
+            per_length: from.sigma_s() + from.sigma_a() - to.sigma_s() - to.sigma_a(),
+            sigma_s: to.sigma_s(),
+            phase,
         }
     }
 
@@ -155,12 +146,12 @@ impl Reweighting {
     pub fn of(&self, scatterings: u32, length: f32, memory: &[f32]) -> Weight {
         let (n, length) = (f64::from(scatterings), f64::from(length));
         let mut exponent = n * self.per_scattering + length * self.per_length;
-        let mut shape = n * self.lobe.per_scattering[1];
-        for (memory, [value, slope]) in memory.iter().zip(&self.lobe.per_memory) {
+        let mut parameter = n * self.phase.per_scattering[1];
+        for (memory, [value, slope]) in memory.iter().zip(&self.phase.per_memory) {
             exponent += f64::from(*memory) * value;
-            shape += f64::from(*memory) * slope;
+            parameter += f64::from(*memory) * slope;
         }
-        Weight { ratio: exponent.exp(), slopes: [n / self.sigma_s - length, -length, shape] }
+        Weight { ratio: exponent.exp(), slopes: [n / self.sigma_s - length, -length, parameter] }
     }
 }
 
@@ -189,7 +180,7 @@ impl Effective {
         }
     }
 
-    /// (sum w)²/(N sum w²): 1 in the paths' own medium. Trace afresh where it is small.
+    /// (sum w)²/(N sum w²): 1 in the paths' own medium. Trace again where it is small.
     pub fn share(&self) -> f64 {
         self.weighted * self.weighted / (self.light * self.squared).max(f64::MIN_POSITIVE)
     }
@@ -221,7 +212,7 @@ impl Information {
         self
     }
 
-    /// Of one path, in sigma_s, sigma_a and the shape.
+    /// Of one path, in sigma_s, sigma_a and the phase-function parameter.
     pub fn of_a_path(&self) -> [f64; 3] {
         let light = self.light.max(f64::MIN_POSITIVE);
         self.sums.map(|[sum, squares]| (squares / light - (sum / light).powi(2)).max(0.0))

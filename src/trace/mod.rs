@@ -9,7 +9,7 @@
 //!
 //! [`trace_radial`] tallies where a pencil beam crosses planes at many depths; [`trace_image`] makes the image
 //! of a scene with its variance; [`trace_histories`] and [`Hits`] keep of every path what its likelihood depends on, and
-//! make both anew for neighbouring media. All give the same numbers, bit for bit, for any number of threads.
+//! make both again for neighbouring media. All give the same numbers, bit for bit, for any number of threads.
 //! This module uses nothing of the kernels, the filter or the fit, so that agreement with them means something.
 //!
 //! Not modelled: refraction at the surface, light scattered in from the illumination, light between objects.
@@ -32,7 +32,7 @@ mod tally;
 pub use histories::{Histories, History, Scattered, trace_histories};
 pub use hits::{BATCHES, Hits};
 pub use image::{ImageConfig, TracedImage, trace_image};
-pub use likelihood::{Change, Effective, Information, Likelihood, Reweighting, Turbid, Weight};
+pub use likelihood::{Change, Effective, Information, Likelihood, Reweighting, Weight};
 pub use path::{Path, free_path};
 pub(crate) use radial::annulus_mean;
 pub use radial::{RadialConfig, RadialProfile, log_spaced, trace_radial};

@@ -10,7 +10,7 @@ use super::tally::{Bins, Tally};
 use super::{Estimate, OPAQUE};
 use crate::error::{Error, Result, in_range};
 use crate::medium::Medium;
-use crate::phase::PhaseFunction;
+use crate::phase::{Phase, PhaseFunction};
 use glam::Vec3;
 use libm::j1;
 use rayon::prelude::*;
@@ -25,9 +25,9 @@ const BATCH: u64 = 128;
 
 /// What to trace.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RadialConfig {
+pub struct RadialConfig<P = Phase> {
     /// The medium that fills z > 0.
-    pub medium: Medium,
+    pub medium: Medium<P>,
     /// Depths of the planes, increasing (length).
     pub depths: Vec<f64>,
     /// Radii between the bins, increasing (length); see [`log_spaced`].
@@ -44,7 +44,7 @@ pub fn log_spaced(first: f64, last: f64, count: usize) -> Vec<f64> {
     (0..count).map(|i| first * (step * i as f64).exp()).collect()
 }
 
-impl RadialConfig {
+impl<P> RadialConfig<P> {
     fn check(&self) -> Result<()> {
         let depths = "finite, above 0 and increasing (length)";
         let edges = "between 1e-15 and 1e15 and increasing (length)";
@@ -70,8 +70,7 @@ fn increasing(name: &str, values: &[f64], low: f64, high: f64, allowed: &'static
 /// # Errors
 /// [`Error::OutOfRange`] for depths or edges that do not increase, or no paths.
 pub fn trace_radial<P: PhaseFunction>(
-    config: &RadialConfig,
-    phase: &P,
+    config: &RadialConfig<P>,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Vec<RadialProfile>> {
     config.check()?;
@@ -80,7 +79,7 @@ pub fn trace_radial<P: PhaseFunction>(
         sigma_a: config.medium.sigma_a() as f32,
         depths: config.depths.iter().map(|&z| z as f32).collect(),
         bins: Bins::new(&config.edges),
-        phase,
+        phase: config.medium.phase(),
     };
     let empty = || vec![Tally::new(config.edges.len() + 1); config.depths.len()];
     let key = Stream::key(config.seed);

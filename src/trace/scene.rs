@@ -49,8 +49,7 @@ pub(super) struct Glimpse {
 /// resolves the medium however far away the camera is.
 pub(super) struct Tracer<'a, P> {
     geometry: &'a Geometry,
-    medium: Medium,
-    phase: &'a P,
+    medium: Medium<P>,
     object: Layer<'a>,
     /// The further layers in which there is anything.
     behind: Vec<Layer<'a>>,
@@ -60,8 +59,8 @@ pub(super) struct Tracer<'a, P> {
     beyond: f64,
 }
 
-impl<'a, P: PhaseFunction> Tracer<'a, P> {
-    pub(super) fn new(config: &ImageConfig<'a>, phase: &'a P) -> Self {
+impl<'a, P: PhaseFunction + Copy> Tracer<'a, P> {
+    pub(super) fn new(config: &ImageConfig<'a, P>) -> Self {
         let ImageConfig { geometry, radiance, behind, border, medium, .. } = *config;
         let pixels =
             || (0..geometry.width * geometry.height).map(|i| (i % geometry.width, i / geometry.width));
@@ -75,7 +74,7 @@ impl<'a, P: PhaseFunction> Tracer<'a, P> {
         let origin = DVec3::Z * front.depths().0;
         let farthest = |layer: &Layer| layer.surface.depths().1;
         let beyond = behind.iter().map(farthest).fold(farthest(&object), f64::max);
-        Self { geometry, medium, phase, object, behind, front, origin, beyond }
+        Self { geometry, medium, object, behind, front, origin, beyond }
     }
 
     /// Path length in the medium and radiance of what is seen at image position (`u`, `v`) px through clear air.
@@ -115,7 +114,7 @@ impl<'a, P: PhaseFunction> Tracer<'a, P> {
         }
         let distance = -(-share * stream.uniform_f64()).ln_1p() / self.medium.sigma_s();
         path.advance(distance.min(z) as f32);
-        turned(path.scatter(self.phase, stream));
+        turned(path.scatter(self.medium.phase(), stream));
         Glimpse { share, arrival: self.follow(&mut path, stream, &mut turned) }
     }
 
@@ -163,7 +162,7 @@ impl<'a, P: PhaseFunction> Tracer<'a, P> {
             if gone || sigma_a * path.length > OPAQUE || self.front.is_left(p, d, f64::from(step)) {
                 return None;
             }
-            turned(path.scatter(self.phase, stream));
+            turned(path.scatter(self.medium.phase(), stream));
         }
     }
 }

@@ -81,7 +81,7 @@ fn image_derivatives_match_central_differences() {
         let filter = CpuFilter::new(target, &optics(model, &phase), 1.5).unwrap();
         let render = |p: [f64; 3]| {
             let phase = Gaussian::new(p[2]).unwrap();
-            let optics = Optics { model, medium: Medium::new(p[0], p[1]).unwrap(), phase: &phase };
+            let optics = Optics { model, medium: Medium::new(p[0], p[1], phase.into()).unwrap() };
             filter.render_with_gradient(&optics).unwrap()
         };
         let gradient = render(point).gradient.unwrap();

@@ -102,7 +102,7 @@ fn no_light_is_lost_where_a_layer_closes_the_gap() {
     let bare = || Scene::new(SIZE, 0.05, |x, y| if disc(x, y, 6.0) { 1.0 } else { 2.5 }).white();
     let closed = bare().before(|x, y| if disc(x, y, 6.0) { 2.5 } else { EMPTY }).white();
     for model in Model::ALL {
-        let optics = Optics { model, medium: Medium::new(1.2, 0.0).unwrap(), phase: &phase };
+        let optics = Optics { model, medium: Medium::new(1.2, 0.0, phase.into()).unwrap() };
         // All light of single scattering is T (1 + tau), not 1, and wide angles turn some back.
         if matches!(model, Model::BeerLambert | Model::SingleScatter | Model::WideAngle) {
             continue;
@@ -124,7 +124,7 @@ fn no_light_is_lost_where_a_layer_closes_the_gap() {
 fn no_light_is_gained_where_objects_stand_one_behind_another() {
     // All paths end on radiance 1 at most. A screen far behind a small object would blur its shadow, not its light.
     let phase = Gaussian::new(0.004).unwrap();
-    let optics = Optics { model: Model::SmallAngle, medium: Medium::new(1.2, 0.0).unwrap(), phase: &phase };
+    let optics = Optics { model: Model::SmallAngle, medium: Medium::new(1.2, 0.0, phase.into()).unwrap() };
     let plate = |x: usize, _: usize| x < 18;
     for depth in [2.0, 2.2, 2.4] {
         let front = |x: usize, y: usize| match (disc(x, y, 3.0), plate(x, y)) {
@@ -151,7 +151,7 @@ fn no_light_is_gained_where_objects_stand_one_behind_another() {
 #[test]
 fn direct_light_alone_comes_from_the_nearest_surface() {
     let phase = Gaussian::new(0.004).unwrap();
-    let optics = Optics { model: Model::BeerLambert, medium: Medium::new(1.0, 0.2).unwrap(), phase: &phase };
+    let optics = Optics { model: Model::BeerLambert, medium: Medium::new(1.0, 0.2, phase.into()).unwrap() };
     let front = |x: usize, y: usize| match (disc(x, y, 3.0), x < 6) {
         (true, _) => 1.0,
         (_, true) => 2.0,

@@ -118,6 +118,6 @@ pub fn nested(x: usize, y: usize) -> f64 {
 }
 
 /// tau about 2 at the depth 2.5.
-pub fn optics(model: Model, phase: &Gaussian) -> Optics<'_> {
-    Optics { model, medium: Medium::new(0.8, 0.1).unwrap(), phase }
+pub fn optics(model: Model, phase: &Gaussian) -> Optics {
+    Optics { model, medium: Medium::new(0.8, 0.1, (*phase).into()).unwrap() }
 }

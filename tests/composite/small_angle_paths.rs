@@ -79,7 +79,7 @@ fn on_a_tilted_plane_the_composite_filter_follows_the_paths_and_eq29_does_not() 
     let slope = 40.0_f64.to_radians().tan();
     let b = 0.25 * 10.0_f64.to_radians().powi(2);
     let phase = Gaussian::new(b).unwrap();
-    let optics = Optics { model: Model::SmallAngle, medium: Medium::new(1.0, 0.1).unwrap(), phase: &phase };
+    let optics = Optics { model: Model::SmallAngle, medium: Medium::new(1.0, 0.1, phase.into()).unwrap() };
     let mut scene = Scene::new((WIDTH, HEIGHT), PITCH, |x, _| plane(slope, x as f64 + 0.5));
     scene.radiance = Image::from_fn(WIDTH, HEIGHT, |x, _| stripes(x) as f32);
     scene.border = Border::Mirror;

@@ -4,15 +4,14 @@ use crate::scenes::Scene;
 use narrowbeam::filter::{Backend, Filter, Optics, hidden_share};
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
-use narrowbeam::phase::Gaussian;
 use narrowbeam::spread::Model;
 use narrowbeam::trace::{ImageConfig, TracedImage, trace_image};
 
-fn phase(spread_deg: f64) -> Gaussian {
-    Gaussian::new(0.25 * spread_deg.to_radians().powi(2)).unwrap()
+fn medium_of(sigma_s: f64, spread_deg: f64) -> Medium {
+    Medium::gaussian(sigma_s, 0.05, 0.25 * spread_deg.to_radians().powi(2)).unwrap()
 }
 
-fn trace(scene: &Scene, medium: Medium, phase: &Gaussian, view: View, samples: u32) -> TracedImage {
+fn trace(scene: &Scene, medium: Medium, view: View, samples: u32) -> TracedImage {
     let config = ImageConfig {
         geometry: &scene.geometry,
         radiance: &scene.radiance,
@@ -23,7 +22,7 @@ fn trace(scene: &Scene, medium: Medium, phase: &Gaussian, view: View, samples: u
         samples,
         seed: 11,
     };
-    trace_image(&config, phase, &|_| ()).unwrap()
+    trace_image(&config, &|_| ()).unwrap()
 }
 
 /// How far an image is off a traced one.
@@ -72,12 +71,12 @@ fn rows_averaged(traced: &TracedImage) -> TracedImage {
 #[test]
 fn two_half_planes_are_rendered_as_traced() {
     let (width, height) = (96, 64);
-    let (medium, phase) = (Medium::new(0.8, 0.05).unwrap(), phase(10.0));
-    let optics = Optics { model: Model::SmallAngle, medium, phase: &phase };
+    let medium = medium_of(0.8, 10.0);
+    let optics = Optics { model: Model::SmallAngle, medium };
     let mut scene = Scene::new((width, height), 0.05, |x, _| if x < 48 { 1.0 } else { 2.5 });
     scene.border = Border::Mirror;
     let view = View::whole(width, height);
-    let traced = trace(&scene, medium, &phase, view, 600);
+    let traced = trace(&scene, medium, view, 600);
     let hidden = hidden_share(&scene.target(Filter::Composite), &optics, Backend::Cpu).unwrap();
     let images = [Filter::Composite, Filter::Eq29].map(|f| (f, scene.fast(f, &optics)));
     println!("pixels              filter      chi²/n   off, % of the mean");
@@ -103,10 +102,10 @@ fn where_the_composite_filter_errs() {
     println!("light of half planes at 1 and 2.5 by the distance from the edge, all of radiance 1");
     println!("distance/px   hidden share   traced   ±        composite   eq29");
     let (width, height) = (96, 8);
-    let (medium, phase_10) = (Medium::new(0.8, 0.05).unwrap(), phase(10.0));
-    let optics = Optics { model: Model::SmallAngle, medium, phase: &phase_10 };
+    let medium = medium_of(0.8, 10.0);
+    let optics = Optics { model: Model::SmallAngle, medium };
     let scene = Scene::new((width, height), 0.05, |x, _| if x < 48 { 1.0 } else { 2.5 }).white();
-    let traced = trace(&scene, medium, &phase_10, View::whole(width, height), 10_000);
+    let traced = trace(&scene, medium, View::whole(width, height), 10_000);
     let hidden = hidden_share(&scene.target(Filter::Composite), &optics, Backend::Cpu).unwrap();
     let [composite, eq29] = [Filter::Composite, Filter::Eq29].map(|f| scene.fast(f, &optics));
     for x in [24, 32, 38, 42, 44, 45, 46, 47, 48, 49, 50, 51, 53, 57, 63, 71] {
@@ -127,9 +126,8 @@ fn where_the_composite_filter_errs() {
     println!("spread   tilt   composite   eq29   (off, % of the mean)");
     for spread_deg in [5.0, 10.0] {
         for tilt_deg in [20.0, 40.0, 60.0, 70.0] {
-            let phase = phase(spread_deg);
-            let medium = Medium::new(1.0, 0.05).unwrap();
-            let optics = Optics { model: Model::SmallAngle, medium, phase: &phase };
+            let medium = medium_of(1.0, spread_deg);
+            let optics = Optics { model: Model::SmallAngle, medium };
             let slope = f64::to_radians(tilt_deg).tan();
             // So fine that the depth goes from 1 to 3.
             let pitch = 2.0 / (slope * 96.0);
@@ -137,7 +135,7 @@ fn where_the_composite_filter_errs() {
             scene.border = Border::Mirror;
             scene.radiance = Image::from_fn(96, 8, |x, _| if (x / 8).is_multiple_of(2) { 0.9 } else { 0.2 });
             let view = View { x: 24, y: 0, width: 48, height: 8 };
-            let traced = rows_averaged(&trace(&scene, medium, &phase, view, 20_000));
+            let traced = rows_averaged(&trace(&scene, medium, view, 20_000));
             let view = View { height: 1, ..view };
             let [composite, eq29] = [Filter::Composite, Filter::Eq29]
                 .map(|f| distance(&scene.fast(f, &optics), &traced, (96, view), |_| true).percent);

@@ -13,8 +13,8 @@ use narrowbeam::phase::Gaussian;
 use narrowbeam::spread::Model;
 use std::process::Command;
 
-fn optics(phase: &Gaussian) -> Optics<'_> {
-    Optics { model: Model::SmallAngle, medium: Medium::new(0.8, 0.1).unwrap(), phase }
+fn optics(phase: &Gaussian) -> Optics {
+    Optics { model: Model::SmallAngle, medium: Medium::new(0.8, 0.1, (*phase).into()).unwrap() }
 }
 
 #[test]

@@ -4,7 +4,7 @@ use crate::contenders::{Method, Scene, errors};
 use crate::gpu;
 use narrowbeam::filter::Optics;
 use narrowbeam::filter::gpu::GpuFilter;
-use narrowbeam::phase::Gaussian;
+use narrowbeam::phase::{Gaussian, PhaseFunction};
 
 /// A slope whose kernel is so wide that the pyramid has levels.
 fn scene() -> Scene {
@@ -26,8 +26,8 @@ fn contenders_are_within_their_stated_errors_and_a_wrong_kernel_is_not() {
     let reference = scene.reference().unwrap();
     let [rounding, _] = errors(&reference, &scene.f64_rung().unwrap());
     assert!(rounding < 1e-6, "the reference is {rounding:.1e} from the f64 rung");
-    let wider = Gaussian::new(1.02 * right.phase.planar_width().powi(2)).unwrap();
-    let wrong = Optics { phase: &wider, ..right };
+    let wider = Gaussian::new(1.02 * right.medium.phase().planar_width().powi(2)).unwrap();
+    let wrong = Optics { medium: right.medium.with_phase(wider.into()), ..right };
     for (method, stated) in STATED {
         let of = |optics: &Optics| {
             let measured = method.measure(gpu(), &scene, optics, 1).unwrap();

@@ -22,8 +22,8 @@ const VEIL: f32 = 0.05;
 
 fn observed(scene: &Scene) -> Image {
     let phase = Gaussian::new(TRUTH[2]).unwrap();
-    let medium = Medium::new(TRUTH[0], TRUTH[1]).unwrap();
-    let optics = Optics { model: Model::SmallAngle, medium, phase: &phase };
+    let medium = Medium::new(TRUTH[0], TRUTH[1], phase.into()).unwrap();
+    let optics = Optics { model: Model::SmallAngle, medium };
     let mut image = CpuFilter::new(scene.target(), &optics, 1.0).unwrap().render(&optics).unwrap();
     image.data.iter_mut().for_each(|v| *v = GAIN * *v + VEIL);
     with_noise(&image, 0.005, 3)
@@ -103,7 +103,7 @@ fn evaluation(side: usize) {
     let scene = Scene::slope((side, side), side).composite();
     let phase = Gaussian::new(TRUTH[2]).unwrap();
     let optics =
-        Optics { model: Model::SmallAngle, medium: Medium::new(TRUTH[0], TRUTH[1]).unwrap(), phase: &phase };
+        Optics { model: Model::SmallAngle, medium: Medium::new(TRUTH[0], TRUTH[1], phase.into()).unwrap() };
     let cpu = CpuFilter::new(scene.target(), &optics, 1.0).unwrap().render_with_gradient(&optics).unwrap();
     let observed = with_noise(&cpu.image, 0.005, 4);
     let filter = GpuFilter::new(gpu(), scene.target(), &optics, 1.0).unwrap();

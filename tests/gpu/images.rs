@@ -31,7 +31,7 @@ fn distance(a: &Image, b: &Image) -> f64 {
 /// Distance of image and derivatives, and of the image alone, from those of the CPU.
 fn distances(scene: &Scene, model: Model) -> [f64; 5] {
     let phase = Gaussian::new(B).unwrap();
-    let optics = Optics { model, medium: Medium::new(0.8, 0.1).unwrap(), phase: &phase };
+    let optics = Optics { model, medium: Medium::new(0.8, 0.1, phase.into()).unwrap() };
     let cpu = CpuFilter::new(scene.target(), &optics, 1.0).unwrap();
     let filter = GpuFilter::new(gpu(), scene.target(), &optics, 1.0).unwrap();
     let theirs = planes(cpu.render_with_gradient(&optics).unwrap());
@@ -75,8 +75,7 @@ fn another_medium_is_told_apart() {
     let phase = Gaussian::new(B).unwrap();
     let optics = |sigma_s: f64| Optics {
         model: Model::SmallAngle,
-        medium: Medium::new(sigma_s, 0.1).unwrap(),
-        phase: &phase,
+        medium: Medium::new(sigma_s, 0.1, phase.into()).unwrap(),
     };
     let cpu = CpuFilter::new(scene.target(), &optics(0.8), 1.0).unwrap().render(&optics(0.8)).unwrap();
     let filter = GpuFilter::new(gpu(), scene.target(), &optics(0.8), 1.0).unwrap();
@@ -111,17 +110,15 @@ fn row(what: &str, width_px: f64, [gpu, cpu, energy]: [f64; 3]) {
 #[test]
 fn images_equal_the_definition_at_every_kernel_width() {
     println!("reference                        width/px   gpu     cpu     gpu's total light");
-    let medium = Medium::new(0.8, 0.1).unwrap();
+    let medium = |width_px| Medium::new(0.8, 0.1, width(width_px).into()).unwrap();
     for width_px in [0.05, 1.0, 4.0] {
-        let phase = width(width_px);
-        let optics = Optics { model: Model::SmallAngle, medium, phase: &phase };
+        let optics = Optics { model: Model::SmallAngle, medium: medium(width_px) };
         let scene = Scene::slope((32, 24), 32);
         let exact = direct_sum::render(&scene.target(), &optics).unwrap();
         row("direct sum, f64, 32x24 slope", width_px, against(&scene, &optics, &exact));
     }
     for width_px in [0.3, 2.0, 16.0] {
-        let phase = width(width_px);
-        let optics = Optics { model: Model::SmallAngle, medium, phase: &phase };
+        let optics = Optics { model: Model::SmallAngle, medium: medium(width_px) };
         let scene = Scene::slope((128, 96), 12);
         let exact = per_depth::render(&scene.target(), &optics).unwrap();
         row("per depth, f64, 128x96 slope", width_px, against(&scene, &optics, &exact));
@@ -137,7 +134,7 @@ fn light_is_neither_lost_nor_made() {
     for width_px in [0.1, 1.0, 10.0, 100.0] {
         let phase = width(width_px);
         let optics =
-            Optics { model: Model::SmallAngle, medium: Medium::new(1.2, 0.0).unwrap(), phase: &phase };
+            Optics { model: Model::SmallAngle, medium: Medium::new(1.2, 0.0, phase.into()).unwrap() };
         let scene = Scene::slope((64, 48), 64).border(Border::Mirror);
         let image = GpuFilter::new(gpu(), scene.target(), &optics, 1.0).unwrap().render(&optics).unwrap();
         let (arrived, sent) = (pixels(&image).sum::<f64>(), pixels(scene.target().radiance).sum::<f64>());
@@ -152,8 +149,8 @@ fn a_full_size_image_equals_the_definition_at_every_kernel_width() {
     println!("reference                        width/px   gpu     cpu     gpu's total light");
     for width_px in [0.3, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0] {
         let phase = width(width_px);
-        let medium = Medium::new(0.8, 0.1).unwrap();
-        let optics = Optics { model: Model::SmallAngle, medium, phase: &phase };
+        let medium = Medium::new(0.8, 0.1, phase.into()).unwrap();
+        let optics = Optics { model: Model::SmallAngle, medium };
         let scene = Scene::slope((512, 512), 16);
         let exact = per_depth::render(&scene.target(), &optics).unwrap();
         row("per depth, f64, 512x512 slope", width_px, against(&scene, &optics, &exact));

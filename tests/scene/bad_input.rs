@@ -210,8 +210,8 @@ fn a_medium_out_of_range_is_named() {
     folder.refuses(&with("0.95", "[1, 2]"), &["medium.sigma_s", "three for R, G, B"]);
     folder.refuses(&and("spread_angle_deg = 8"), &["[medium] b and spread_angle_deg"]);
     let text = with("b = 0.0049", "spread_angle_deg = 8");
-    let b = folder.read(&text, Purpose::Render).unwrap().medium_values(PartialMedium::default()).unwrap()[0]
-        .shape;
+    let b = folder.read(&text, Purpose::Render).unwrap().media(PartialMedium::default()).unwrap()[0]
+        .parameters()[2];
     assert!((b - 8f64.to_radians().powi(2) / 4.0).abs() < 1e-15);
 }
 

@@ -1,17 +1,17 @@
 //! The keys that name a phase function and give its shape.
 
 use crate::folder::{Folder, SCENE, and, with};
-use narrowbeam::phase::Family;
+use narrowbeam::phase::{Family, PhaseFunction};
 use narrowbeam::scene::{PartialMedium, Purpose, read_truth};
 
 const HG: Family = Family::HenyeyGreenstein;
 
 #[test]
-fn a_medium_has_the_phase_function_whose_shape_it_gives() {
+fn a_medium_has_the_phase_function_whose_parameter_it_gives() {
     let folder = Folder::new();
     let medium = |text: &str, overrides: PartialMedium| {
-        let medium = folder.read(text, Purpose::Render).unwrap().medium_values(overrides).unwrap()[0];
-        (medium.family, medium.shape)
+        let medium = folder.read(text, Purpose::Render).unwrap().media(overrides).unwrap()[0];
+        (medium.phase().family(), medium.phase().parameter())
     };
     let nothing = PartialMedium::default();
     assert_eq!(medium(SCENE, nothing), (Family::Gaussian, 0.0049));
@@ -21,10 +21,10 @@ fn a_medium_has_the_phase_function_whose_shape_it_gives() {
         medium(&with("b = 0.0049", "b = 0.1\nphase = \"gaussian\""), nothing),
         (Family::Gaussian, 0.1)
     );
-    // The command line's shape comes with its own family.
-    let g = PartialMedium { family: HG, shape: Some(0.8), ..nothing };
+    // The command line's parameter comes with its own family.
+    let g = PartialMedium { family: HG, phase_parameter: Some(0.8), ..nothing };
     assert_eq!(medium(SCENE, g), (HG, 0.8));
-    let b = PartialMedium { shape: Some(0.1), ..nothing };
+    let b = PartialMedium { phase_parameter: Some(0.1), ..nothing };
     assert_eq!(medium(&with("b = 0.0049", "phase = \"hg\""), b), (Family::Gaussian, 0.1));
 }
 
@@ -45,10 +45,10 @@ fn contradictions_in_the_medium_are_named() {
         folder.refuses(&text, &["scene.toml", "[medium] g = ", "between 0 and 1"]);
     }
     let scene = folder.read(&with("b = 0.0049", "phase = \"hg\""), Purpose::Render).unwrap();
-    let message = scene.medium_values(PartialMedium::default()).unwrap_err().to_string();
+    let message = scene.media(PartialMedium::default()).unwrap_err().to_string();
     assert!(message.contains("[medium] g is missing (or give --g)"), "{message}");
-    let wrong = PartialMedium { family: HG, shape: Some(1.5), ..PartialMedium::default() };
-    let message = scene.medium_values(wrong).unwrap_err().to_string();
+    let wrong = PartialMedium { family: HG, phase_parameter: Some(1.5), ..PartialMedium::default() };
+    let message = scene.media(wrong).unwrap_err().to_string();
     assert!(message.contains("--g = 1.5") && message.contains("between 0 and 1"), "{message}");
 }
 
@@ -91,7 +91,7 @@ fn the_truth_may_be_of_either_phase_function() {
         read_truth(&path)
     };
     let media = truth("[medium]\nsigma_s = 1\nsigma_a = 0\ng = [0.8, 0.85, 0.9]\n").unwrap();
-    assert_eq!((media.len(), media[2].family, media[2].shape), (3, HG, 0.9));
+    assert_eq!((media.len(), *media[2].phase()), (3, HG.phase(0.9).unwrap()));
     let message = truth("[medium]\nsigma_s = 1\nsigma_a = 0\n").unwrap_err().to_string();
     assert!(message.contains("truth.toml") && message.contains("[medium] b is missing"), "{message}");
 }

@@ -14,7 +14,7 @@ fn a_sound_scene_is_read() {
     assert_eq!(observation.veil, Veil::Fixed(0.0));
     assert_eq!(scene.view, View { x: 2, y: 2, width: 8, height: 6 });
     assert_eq!(scene.geometry.path_length(3, 4), Some(2.0));
-    assert_eq!(scene.medium_values(PartialMedium::default()).unwrap()[0].shape, 0.0049);
+    assert_eq!(scene.media(PartialMedium::default()).unwrap()[0].parameters()[2], 0.0049);
 }
 
 #[test]
@@ -88,16 +88,16 @@ fn observed_pixels_may_be_negative_and_where_masked_out_anything() {
 fn the_command_line_completes_the_medium() {
     let folder = Folder::new();
     let scene = folder.read(&with("b = 0.0049", ""), Purpose::Render).unwrap();
-    let message = scene.medium_values(PartialMedium::default()).unwrap_err().to_string();
+    let message = scene.media(PartialMedium::default()).unwrap_err().to_string();
     assert!(message.contains("scene.toml") && message.contains("[medium] b is missing"), "{message}");
     let given = |sigma_s: f64| PartialMedium {
         sigma_s: Some(sigma_s),
-        shape: Some(0.01),
+        phase_parameter: Some(0.01),
         ..PartialMedium::default()
     };
-    let medium = scene.medium_values(given(2.0)).unwrap()[0];
-    assert_eq!((medium.sigma_s, medium.sigma_a, medium.shape), (2.0, 0.05, 0.01));
-    let message = scene.medium_values(given(-2.0)).unwrap_err().to_string();
+    let medium = scene.media(given(2.0)).unwrap()[0];
+    assert_eq!(medium.parameters(), [2.0, 0.05, 0.01]);
+    let message = scene.media(given(-2.0)).unwrap_err().to_string();
     assert!(message.contains("--sigma-s = -2"), "{message}");
 }
 
@@ -110,9 +110,9 @@ fn three_channels_have_three_values() {
     let text = with("0.95", "[1, 2, 3]")
         + "[fit]\nstart = { b = [0.1, 0.2, 0.3] }\nbounds = { sigma_s = [[1, 2], [2, 3], [3, 4]] }\n";
     let scene = folder.read(&text, Purpose::Fit).unwrap();
-    let media = scene.medium_values(PartialMedium::default()).unwrap();
-    assert_eq!(media.iter().map(|m| m.sigma_s).collect::<Vec<_>>(), [1.0, 2.0, 3.0]);
-    assert_eq!(media[2].sigma_a, 0.05);
+    let media = scene.media(PartialMedium::default()).unwrap();
+    assert_eq!(media.iter().map(|m| m.sigma_s()).collect::<Vec<_>>(), [1.0, 2.0, 3.0]);
+    assert_eq!(media[2].sigma_a(), 0.05);
     assert_eq!((scene.fit[1].start[2], scene.fit[1].bounds[0]), (Some(0.2), Some([2.0, 3.0])));
     folder.put("observed.exr", &[("Y", texture(SEEN))]);
     folder.refuses(&text, &["observed.exr: has no channel R, G, B", "it holds Y"]);
@@ -160,7 +160,7 @@ fn the_truth_is_read_beside_other_tables() {
     )
     .unwrap();
     let truth = read_truth(&path).unwrap();
-    assert_eq!((truth.len(), truth[0].sigma_s), (1, 1.0));
+    assert_eq!((truth.len(), truth[0].sigma_s()), (1, 1.0));
     std::fs::write(&path, "[medium]\nsigma_s = [1, 2, 3]\nb = 0.1\n").unwrap();
     let message = read_truth(&path).unwrap_err().to_string();
     assert!(message.contains("truth.toml") && message.contains("sigma_a"), "{message}");

@@ -5,7 +5,6 @@ use glam::{DVec3, Vec3};
 use narrowbeam::geometry::{Camera, Field};
 use narrowbeam::image::{Border, Image};
 use narrowbeam::medium::Medium;
-use narrowbeam::phase::Gaussian;
 use narrowbeam::trace::{Path, Stream, free_path, trace_image};
 
 const EMPTY: f32 = 0.0;
@@ -22,7 +21,7 @@ impl Setup {
 /// Light from two half planes, the near one (x < 0) at z = 1 and the far one (x > 0) at z = 2.5, that reaches the
 /// camera from (`x`, 0): a tracer with analytic sheets. The far plane goes on behind the near one with the radiance
 /// `hidden`. Returns mean and variance of the mean.
-fn two_sheets(x: [f64; 2], hidden: f64, medium: Medium, phase: &Gaussian, paths: u64) -> (f64, f64) {
+fn two_sheets(x: [f64; 2], hidden: f64, medium: Medium, paths: u64) -> (f64, f64) {
     let key = Stream::key(77);
     let (mut sum, mut squares) = (0.0, 0.0);
     for i in 0..paths {
@@ -48,7 +47,7 @@ fn two_sheets(x: [f64; 2], hidden: f64, medium: Medium, phase: &Gaussian, paths:
             if path.position.z < 0.0 {
                 break 0.0;
             }
-            path.scatter(phase, &mut stream);
+            path.scatter(medium.phase(), &mut stream);
         };
         sum += light;
         squares += light * light;
@@ -63,8 +62,8 @@ fn half_planes(spread_angle_deg: f64) -> Setup {
     let mut setup = Setup::plane(width, height, |x, _| if x < 12 { 1.0 } else { 3.0 });
     setup.geometry.camera = Camera::orthographic(0.05).unwrap();
     setup.geometry.depth = Field::Map(Image::from_fn(width, height, |x, _| if x < 12 { 1.0 } else { 2.5 }));
-    setup.medium = Medium::new(1.2, 0.05).unwrap();
-    setup.phase = Gaussian::new(0.25 * spread_angle_deg.to_radians().powi(2)).unwrap();
+    let b = 0.25 * spread_angle_deg.to_radians().powi(2);
+    setup.medium = Medium::gaussian(1.2, 0.05, b).unwrap();
     Setup { samples: 4000, ..setup }
 }
 
@@ -81,7 +80,7 @@ fn a_near_half_plane_hides_what_lies_behind_it_but_for_paths_around_its_edge() {
                 .map(|x| {
                     let left = 0.05 * (x as f64 - 12.0);
                     let seen = [left, left + 0.05];
-                    let (truth, noise) = two_sheets(seen, hidden, setup.medium, &setup.phase, 60_000);
+                    let (truth, noise) = two_sheets(seen, hidden, setup.medium, 60_000);
                     (traced[x].0, traced[x].1 + noise, truth)
                 })
                 .collect();
@@ -117,7 +116,7 @@ fn no_light_is_lost_where_layers_close_every_gap() {
                 Setup { samples: 100, border: Border::Mirror, ..Setup::plane(32, 24, |_, _| 1.0) };
             setup.geometry.camera = camera;
             setup.geometry.depth = Field::Map(depth.clone());
-            setup.medium = Medium::new(1.2, 0.0).unwrap();
+            setup.medium = Medium::new(1.2, 0.0, *setup.medium.phase()).unwrap();
             setup
         };
         for (name, front, behind) in [
@@ -154,7 +153,7 @@ fn a_clear_medium_shows_the_first_layer_there_is() {
     let mut setup = Setup::plane(width, height, |x, y| (100 + 3 * x + y) as f32);
     setup.geometry.depth = Field::Map(third(0, 3, 1.0));
     let mut setup = setup.before(third(0, 6, 1.0), light(200)).before(third(2, 9, 3.0), light(300));
-    setup.medium = Medium::new(0.0, 0.0).unwrap();
+    setup.medium = Medium::new(0.0, 0.0, *setup.medium.phase()).unwrap();
     let truth = Image::from_fn(width, height, |x, y| {
         let base = [100, 200, 300, 0][x / 3];
         if base == 0 { 0.0 } else { (base + 3 * x + y) as f32 }
@@ -173,7 +172,7 @@ fn a_layer_in_which_there_is_nothing_changes_nothing() {
 fn layers_that_make_no_sense_are_refused_by_name() {
     let layer = |depth: f32| half_planes(10.0).before(Image::filled(24, 8, depth), Image::filled(24, 8, 1.0));
     let refused = |setup: &Setup, words: &[&str]| {
-        let message = trace_image(&setup.config(), &setup.phase, &|_| ()).unwrap_err().to_string();
+        let message = trace_image(&setup.config(), &|_| ()).unwrap_err().to_string();
         assert!(words.iter().all(|word| message.contains(word)), "{words:?} are not all in: {message}");
     };
     refused(&layer(1.5), &["[[object.layer]] 1: depth at pixel (12, 0) = 1.5"]);

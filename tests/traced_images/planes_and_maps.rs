@@ -21,7 +21,7 @@ fn a_uniform_plane_is_as_bright_as_all_light_of_the_radial_tally() {
         paths: 1_000_000,
         seed: 2,
     };
-    let profile = &trace_radial(&radial, &setup.phase, &|_| ()).unwrap()[0];
+    let profile = &trace_radial(&radial, &|_| ()).unwrap()[0];
     let light = profile.scattered();
     let truth = setup.medium.transmittance(1.0) + light.value;
     for border in [Border::Clamp, Border::Mirror] {
@@ -55,7 +55,7 @@ fn the_image_of_an_edge_is_the_edge_spread_of_the_radial_tally() {
     let edges = log_spaced(1e-3, 10.0, 400);
     let medium = setup.medium;
     let radial = RadialConfig { medium, depths: vec![1.0], edges: edges.clone(), paths: 8_000_000, seed: 3 };
-    let profile = &trace_radial(&radial, &setup.phase, &|_| ()).unwrap()[0];
+    let profile = &trace_radial(&radial, &|_| ()).unwrap()[0];
     let within: Vec<f64> = (0..edges.len()).map(|i| profile.encircled_energy(i).value).collect();
     let rings: Vec<f64> =
         (0..edges.len()).map(|i| within[i] - if i > 0 { within[i - 1] } else { 0.0 }).collect();
@@ -74,7 +74,7 @@ fn the_image_of_an_edge_is_the_edge_spread_of_the_radial_tally() {
         .collect();
     assert_agree("edge", &compared);
     // The comparison can fail: a medium 6 % clearer is told apart.
-    let clearer = Setup { medium: Medium::new(1.88, 0.1).unwrap(), ..setup };
+    let clearer = Setup { medium: Medium::new(1.88, 0.1, *setup.medium.phase()).unwrap(), ..setup };
     let chi2: f64 = columns(&clearer.trace())
         .iter()
         .enumerate()
@@ -152,7 +152,7 @@ fn a_distant_perspective_camera_sees_what_parallel_rays_see() {
 fn a_clear_medium_shows_a_tilted_object_sharp() {
     let mut setup = Setup::plane(20, 10, |x, y| (x * 3 + y) as f32);
     setup.geometry.depth = Field::Map(Image::from_fn(20, 10, |x, _| 1.0 + 0.015 * x as f32));
-    setup.medium = Medium::new(0.0, 0.0).unwrap();
+    setup.medium = Medium::new(0.0, 0.0, *setup.medium.phase()).unwrap();
     let image = setup.trace();
     assert_eq!(image.mean, setup.radiance);
     assert!(image.variance.data.iter().all(|&v| v == 0.0));
@@ -171,7 +171,7 @@ fn without_scattering_each_pixel_is_dimmed_by_its_own_path() {
             let (start, d) = camera.ray(x as f64 + 0.5, y as f64 + 0.5, (width, height));
             ((2.0 - normal.dot(start)) / normal.dot(d)) as f32
         }));
-        setup.medium = Medium::new(0.0, 0.7).unwrap();
+        setup.medium = Medium::new(0.0, 0.7, *setup.medium.phase()).unwrap();
         let image = setup.trace();
         for y in 0..height {
             for x in 0..width {
@@ -195,7 +195,7 @@ fn an_empty_pixel_gets_scattered_light_only() {
     let columns = columns(&setup.trace());
     let (empty, beside) = (columns[7].0, columns[5].0);
     assert!(empty > 0.2 && empty < beside - 0.9 * setup.medium.transmittance(1.0), "{empty} {beside}");
-    setup.medium = Medium::new(0.0, 0.0).unwrap();
+    setup.medium = Medium::new(0.0, 0.0, *setup.medium.phase()).unwrap();
     assert_eq!(setup.trace().mean.at(7, 3), 0.0);
 }
 
@@ -208,7 +208,7 @@ fn a_tilted_plane_is_traced_as_a_plane() {
     let z_at = |x: f64| 1.0 + slope * x;
     let centre = |x: usize| 0.02 * (x as f64 + 0.5 - 0.5 * n as f64);
     setup.geometry.depth = Field::Map(Image::from_fn(n, 20, |x, _| z_at(centre(x)) as f32));
-    setup.medium = Medium::new(2.0, 0.5).unwrap();
+    setup.medium = Medium::new(2.0, 0.5, *setup.medium.phase()).unwrap();
     setup.view = View { x: 48, y: 0, width: 4, height: 20 };
     let traced = columns(&setup.trace());
     let key = Stream::key(5);
@@ -232,7 +232,7 @@ fn a_tilted_plane_is_traced_as_a_plane() {
                     if path.position.z < 0.0 {
                         break 0.0;
                     }
-                    path.scatter(&setup.phase, &mut stream);
+                    path.scatter(setup.medium.phase(), &mut stream);
                 };
                 sum += light;
                 squares += light * light;
@@ -289,8 +289,7 @@ fn the_view_is_a_part_of_the_whole_image() {
 
 #[test]
 fn a_scene_that_makes_no_sense_is_refused_by_name() {
-    let message =
-        |setup: &Setup| trace_image(&setup.config(), &setup.phase, &|_| ()).unwrap_err().to_string();
+    let message = |setup: &Setup| trace_image(&setup.config(), &|_| ()).unwrap_err().to_string();
     let mut setup = Setup::plane(8, 8, |_, _| 1.0);
     setup.samples = 1;
     assert!(message(&setup).starts_with("samples = 1"));
@@ -302,5 +301,5 @@ fn a_scene_that_makes_no_sense_is_refused_by_name() {
     assert!(message(&setup).contains("depth - surface"));
     setup.radiance = Image::filled(8, 7, 1.0);
     assert!(message(&setup).contains("radiance"));
-    assert_eq!(setup.phase.family(), Family::Gaussian);
+    assert_eq!(setup.medium.phase().family(), Family::Gaussian);
 }

@@ -3,7 +3,6 @@
 use narrowbeam::geometry::Geometry;
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
-use narrowbeam::phase::Gaussian;
 use narrowbeam::trace::{ImageConfig, TracedImage, trace_image};
 
 /// A small scene with its medium; fields are changed by each test.
@@ -14,7 +13,6 @@ pub struct Setup {
     pub border: Border,
     pub view: View,
     pub medium: Medium,
-    pub phase: Gaussian,
     pub samples: u32,
     pub seed: u64,
 }
@@ -29,8 +27,7 @@ impl Setup {
             behind: Vec::new(),
             border: Border::Clamp,
             view: View::whole(width, height),
-            medium: Medium::new(2.0, 0.1).unwrap(),
-            phase: Gaussian::new(0.25 * spread * spread).unwrap(),
+            medium: Medium::gaussian(2.0, 0.1, 0.25 * spread * spread).unwrap(),
             samples: 64,
             seed: 1,
         }
@@ -50,7 +47,7 @@ impl Setup {
     }
 
     pub fn trace(&self) -> TracedImage {
-        trace_image(&self.config(), &self.phase, &|_| ()).unwrap()
+        trace_image(&self.config(), &|_| ()).unwrap()
     }
 
     pub fn size(&self) -> (usize, usize) {

@@ -8,7 +8,7 @@ use narrowbeam::filter::{Optics, Target, per_depth};
 use narrowbeam::geometry::{Field, Geometry};
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
-use narrowbeam::phase::{Gaussian, b_of_spread_angle};
+use narrowbeam::phase::b_of_spread_angle;
 use narrowbeam::spread::Model;
 
 const SIGMA_S: f64 = 0.95;
@@ -35,27 +35,27 @@ pub struct Scene {
     pub slope: bool,
     radiance: Image,
     geometry: Geometry,
-    phase: Gaussian,
+    medium: Medium,
 }
 
 impl Scene {
     /// An image of side `n` through a kernel of `width_px`.
     pub fn new(n: usize, width_px: f64, slope: bool) -> Self {
-        let phase = Gaussian::new(b_of_spread_angle(SPREAD_ANGLE_DEG.to_radians())).expect("in range");
-        let pitch = DEPTH * phase.b().sqrt() / width_px;
+        let b = b_of_spread_angle(SPREAD_ANGLE_DEG.to_radians());
+        let medium = Medium::gaussian(SIGMA_S, SIGMA_A, b).expect("in range");
+        let pitch = DEPTH * b.sqrt() / width_px;
         let mut geometry = Geometry::planar(n, n, pitch, DEPTH).expect("in range");
         if slope {
             let step = |x: usize| (x * DEPTHS / n) as f64 + 0.5;
             let depth = |x: usize| (DEPTH * (0.75 + 0.5 * step(x) / DEPTHS as f64)) as f32;
             geometry.depth = Field::Map(Image::from_fn(n, n, |x, _| depth(x)));
         }
-        Self { n, width_px, slope, radiance: common::texture(n, n), geometry, phase }
+        Self { n, width_px, slope, radiance: common::texture(n, n), geometry, medium }
     }
 
     /// The medium and its kernels.
-    pub fn optics(&self) -> Optics<'_> {
-        let medium = Medium::new(SIGMA_S, SIGMA_A).expect("in range");
-        Optics { model: Model::SmallAngle, medium, phase: &self.phase }
+    pub fn optics(&self) -> Optics {
+        Optics { model: Model::SmallAngle, medium: self.medium }
     }
 
     /// What is filtered.

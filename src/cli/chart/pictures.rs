@@ -3,7 +3,7 @@
 use super::points::{Clock, Points};
 use crate::error::Result;
 use crate::filter::{Backend, Filter};
-use crate::phase::Family;
+use crate::phase::{Phase, PhaseFunction};
 use crate::plots::{Axis, ChartGrid, LineChart, Mark, Series, Shape, Sign};
 use crate::spread::Model;
 use crate::study::chart::{Charted, Way};
@@ -62,11 +62,11 @@ fn key(entries: &[(&str, Sign)]) -> Vec<Series> {
 
 fn title(charted: &Charted) -> String {
     let truth = charted.dataset.truth[0];
-    let lobe = match truth.family {
-        Family::Gaussian => format!("{:.0}°", (4.0 * truth.shape).sqrt().to_degrees()),
-        Family::HenyeyGreenstein => format!("g {}", truth.shape),
+    let phase = match truth.phase() {
+        Phase::Gaussian(phase) => format!("{:.0}°", phase.spread_angle().to_degrees()),
+        Phase::HenyeyGreenstein(phase) => format!("g {}", phase.parameter()),
     };
-    format!("{}: tau {:.1}, {lobe}", charted.dataset.name, truth.sigma_s * charted.dataset.z)
+    format!("{}: tau {:.1}, {phase}", charted.dataset.name, truth.tau(charted.dataset.z))
 }
 
 fn render_panel(charted: &Charted, clock: Clock) -> LineChart {

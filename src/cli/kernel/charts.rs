@@ -70,9 +70,11 @@ pub(super) fn write(dir: &Path, setting: &Setting, grid: &Grid, curves: &[Curve]
 
 impl Chart {
     fn write(&self, dir: &Path, setting: &Setting, places: &[f64], curves: &[Curve]) -> Result<()> {
-        let Setting { medium, phase, z } = setting;
-        let title =
-            format!("{}: σs {}, σa {}, {phase}, depth {z}", self.title, medium.sigma_s(), medium.sigma_a());
+        let Setting { medium, z } = setting;
+        let title = {
+            let (sigma_s, sigma_a, phase) = (medium.sigma_s(), medium.sigma_a(), medium.phase());
+            format!("{}: σs {sigma_s}, σa {sigma_a}, {phase}, depth {z}", self.title)
+        };
         let series = curves.iter().map(|curve| self.series(curve, places)).collect();
         let axis = |label: &str, log: bool| Axis { label: label.into(), log };
         let chart = LineChart { title, x: axis(self.x, true), y: axis(self.y, self.y_log), series };

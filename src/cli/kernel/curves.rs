@@ -39,9 +39,9 @@ pub(super) struct Grid {
 impl Grid {
     /// The grid that shows the kernels of `setting`.
     pub(super) fn new(setting: &Setting) -> Self {
-        let Setting { medium, phase, z } = *setting;
-        let width = z * phase.planar_width();
-        let radius = typical_radius(&medium, &phase, z);
+        let Setting { medium, z } = *setting;
+        let width = z * medium.phase().planar_width();
+        let radius = typical_radius(&medium, z);
         let (first, last) = (INNERMOST * width, (FARTHEST * width).max(FARTHEST_RMS * radius));
         let mut frequencies = vec![0.0];
         frequencies.extend(log_spaced(PHASE / last, PHASE / first, COUNT));

@@ -1,14 +1,17 @@
 //! What `narrowbeam kernel` says on stdout: totals, second moments, validity, and agreement with traced light.
 
 use super::Setting;
+use crate::cli::options::validity;
 use crate::compare::{MEDIAN_RADII, worst_encircled_error};
-use crate::phase::{Lobe, PhaseFunction};
-use crate::spread::{Model, SMALL_ANGLE_LIMIT, SpreadKernel, second_moments, small_angle_error};
+use crate::phase::{Phase, PhaseFunction};
+use crate::spread::{
+    Model, SMALL_ANGLE_LIMIT, SecondMoments, SpreadKernel, second_moments, small_angle_error,
+};
 use crate::trace::{Estimate, RadialProfile};
 use std::fmt::Write;
 
 /// The models' kernels.
-type Kernels<'a> = [(Model, Box<dyn SpreadKernel + 'a>)];
+type Kernels = [(Model, Box<dyn SpreadKernel>)];
 
 /// The whole text.
 pub(super) fn text(setting: &Setting, kernels: &Kernels, traced: Option<&RadialProfile>) -> String {
@@ -20,19 +23,18 @@ pub(super) fn text(setting: &Setting, kernels: &Kernels, traced: Option<&RadialP
 }
 
 fn head(out: &mut String, setting: &Setting, traced: Option<&RadialProfile>) -> std::fmt::Result {
-    let Setting { medium, phase, z } = *setting;
-    let lobe = match phase {
-        Lobe::Gaussian(phase) => {
+    let Setting { medium, z } = *setting;
+    let phase = match medium.phase() {
+        Phase::Gaussian(phase) => {
             format!("B {:.6e} rad² (spread angle {:.3}°)", phase.b(), phase.spread_angle().to_degrees())
         }
-        Lobe::HenyeyGreenstein(_) => phase.to_string(),
+        phase @ Phase::HenyeyGreenstein(_) => phase.to_string(),
     };
     let (sigma_s, sigma_a) = (medium.sigma_s(), medium.sigma_a());
-    writeln!(out, "sigma_s {sigma_s}, sigma_a {sigma_a} (1/length), {lobe}, depth {z}")?;
+    writeln!(out, "sigma_s {sigma_s}, sigma_a {sigma_a} (1/length), {phase}, depth {z}")?;
     let tau = medium.tau(z);
     writeln!(out, "tau {tau:.4}, optical depth {:.4}, albedo {:.4}", medium.sigma_t() * z, medium.albedo())?;
-    let (family, shape) = (phase.family(), phase.shape());
-    let validity = tau * family.square_angle(shape);
+    let validity = validity(&medium, z);
     let verdict = if validity <= SMALL_ANGLE_LIMIT {
         format!("not above {SMALL_ANGLE_LIMIT}: small-angle theory holds to 1 % of the transfer function")
     } else {
@@ -41,7 +43,7 @@ fn head(out: &mut String, setting: &Setting, traced: Option<&RadialProfile>) -> 
             small_angle_error(validity)
         )
     };
-    writeln!(out, "tau·{} {validity:.4}, {verdict}", family.square_angle_formula())?;
+    writeln!(out, "tau·{} {validity:.4}, {verdict}", medium.phase().family().mean_square_angle_formula())?;
 
     let measured = |of: fn(&RadialProfile) -> Estimate| {
         traced.map_or(String::new(), |profile| {
@@ -49,12 +51,11 @@ fn head(out: &mut String, setting: &Setting, traced: Option<&RadialProfile>) -> 
             format!("; traced {} ± {std_error:.1e}", number(value))
         })
     };
-    let moments = match phase {
-        Lobe::Gaussian(phase) => {
-            let (exact, printed) = second_moments(&medium, phase.b(), z);
+    let moments = match second_moments(&medium, z) {
+        Some(SecondMoments { exact, printed }) => {
             format!("{} exact, {} as printed (length²)", number(exact), number(printed))
         }
-        Lobe::HenyeyGreenstein(_) => "infinite at small angles".into(),
+        None => "infinite at small angles".into(),
     };
     writeln!(out)?;
     writeln!(

@@ -24,8 +24,9 @@ const VEIL_BRIGHTER: f64 = 10.0;
 pub(super) fn make(dir: &Path, effort: Effort) -> Result<String> {
     let progress = Progress::uncounted(FILES[0]);
     let start = Instant::now();
-    let (scene, media) = figure_8::scene(figure_8::side(effort))?;
-    let pictures = figure_8::pictures(&scene, &media)?;
+    let (lit, media) = figure_8::scene(figure_8::side(effort))?;
+    let pictures = figure_8::pictures(&lit, &media)?;
+    let scene = &lit.scene;
     let seconds = start.elapsed().as_secs_f64();
     drop(progress);
 

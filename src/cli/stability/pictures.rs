@@ -2,6 +2,7 @@
 
 use crate::error::Result;
 use crate::image::Image;
+use crate::phase::PhaseFunction;
 use crate::plots::{Axis, ChartGrid, LineChart, Map, MapGrid, MapRow, Series, Shade};
 use crate::study::stability::{Trial, Verdict};
 use crate::study::sweeps::{Extent, METHODS};
@@ -111,7 +112,7 @@ const CURVES: [(&str, &str, bool); 7] = [
 fn curves(trials: &[Trial]) -> ChartGrid {
     let row = |&(sweep, label, log): &(&str, &str, bool)| {
         let here: Vec<&Trial> = trials.iter().filter(|t| t.sweep == sweep).collect();
-        let mut media: Vec<f64> = here.iter().map(|t| t.setting.medium.shape).collect();
+        let mut media: Vec<f64> = here.iter().map(|t| t.setting.medium.phase().parameter()).collect();
         media.dedup();
         media.into_iter().map(|b| chart(&here, b, label, log)).collect()
     };
@@ -122,7 +123,7 @@ fn curves(trials: &[Trial]) -> ChartGrid {
 }
 
 fn chart(trials: &[&Trial], b: f64, label: &str, log: bool) -> LineChart {
-    let here = || trials.iter().filter(|t| t.setting.medium.shape == b);
+    let here = || trials.iter().filter(|t| t.setting.medium.phase().parameter() == b);
     let mut methods: Vec<String> = here().map(|t| t.method.name()).collect();
     methods.sort();
     methods.dedup();

@@ -26,6 +26,7 @@ use super::{Optics, Target};
 use crate::error::Result;
 use crate::gpu::{Gpu, Recording};
 use crate::image::Image;
+use crate::phase::PhaseFunction;
 use segment::Segment;
 use tables::{Tables, Units, axes};
 use wgpu::Buffer;
@@ -218,7 +219,7 @@ impl<'a> GpuFilter<'a> {
     }
 
     fn units(&self, optics: &Optics) -> Units {
-        Units::new(self.plan.farthest(), optics.phase.planar_width())
+        Units::new(self.plan.farthest(), optics.medium.phase().planar_width())
     }
 
     /// Records what leaves the image, and its derivatives if they are wanted, in the resident planes. Where light passes

@@ -1,14 +1,14 @@
 //! Where the tables behind `wide-angle` have their nodes, and the ladders of their mixtures.
 //!
 //! Both families share the axes of tau and sigma_a z. The third is the spread angle D = sqrt(4B) of the Gaussian, in which the
-//! kernel is even, and ln(1 - g) of Henyey-Greenstein's lobe, whose kernel has wide angles at any g.
+//! kernel is even, and ln(1 - g) of Henyey-Greenstein's phase function, whose kernel has wide angles at any g.
 
 use crate::chebyshev::Chebyshev;
 use crate::error::{Result, in_range};
 use crate::phase::{Family, b_of_spread_angle};
 use crate::spread::{Dual, Range};
 
-/// Width of the narrowest Gaussian in units of the lobe's planar width times z: a thousandth of the light scattered once falls
+/// Width of the narrowest Gaussian in units of the planar width of the phase function times z: a thousandth of the light scattered once falls
 /// within it.
 const NARROWEST: f64 = 1e-3;
 /// Ratio of neighbouring widths: the ripple of such a ladder is 3e-5 of a smooth mixture (see `filter::ladder`).
@@ -21,9 +21,9 @@ pub struct Layout {
     pub family: Family,
     /// Gaussians of the mixture.
     pub rungs: usize,
-    /// Nodes of tau, sigma_a z and the lobe's width.
+    /// Nodes of tau, sigma_a z and the width of the phase function.
     pub counts: [usize; 3],
-    /// Ends of the third axis, in its coordinate: the narrowest lobe, within which the shape of the kernel no longer changes in
+    /// Ends of the third axis, in its coordinate: the narrowest phase function, within which the shape of the kernel no longer changes in
     /// units of its width, and the widest.
     ends: (f64, f64),
 }
@@ -35,9 +35,9 @@ pub struct Place {
     pub tau: f64,
     /// sigma_a z.
     pub absorption: f64,
-    /// Shape of the phase function, B (rad²) or g.
-    pub shape: f64,
-    /// Root of the [square angle](Family::square_angle): sqrt(4B) or sqrt(2(1-g)), rad.
+    /// Parameter of the phase function, B (rad²) or g.
+    pub phase: f64,
+    /// Root of the [mean-square scattering angle](Family::mean_square_angle): sqrt(4B) or sqrt(2(1-g)), rad.
     pub angle: f64,
 }
 
@@ -49,7 +49,7 @@ static GAUSSIAN: Layout = Layout {
     ends: (0.5_f64.to_radians(), 60.0_f64.to_radians()),
 };
 
-/// g of .998 to .5, from ln .002 to ln .5. A lobe narrower than that turns less than .6 % of the light by more than 20 degrees,
+/// g of .998 to .5, from ln .002 to ln .5. A phase function narrower than that turns less than .6 % of the light by more than 20 degrees,
 /// where its kernel has another shape. Four more Gaussians reach as far in units of z.
 static HENYEY_GREENSTEIN: Layout = Layout {
     family: Family::HenyeyGreenstein,
@@ -58,14 +58,14 @@ static HENYEY_GREENSTEIN: Layout = Layout {
     ends: (-6.214_608_098_422_191, -std::f64::consts::LN_2),
 };
 
-/// What ln(W/phi), which falls like the square angle from 0, is divided by before it is tabulated at the `angle` of a
+/// What ln(W/phi), which falls like the mean-square scattering angle from 0, is divided by before it is tabulated at the `angle` of a
 /// [`Place`]: lest noise of thick, wide-angle, absorbing media spread to narrow ones. The constant keeps noise of narrow ones
 /// there, and the quotient's poles, at angles of ± i sqrt(.3), away from those served: nearer ones would ask for more nodes.
 pub fn bending(angle: f64) -> f64 {
     angle * angle + 0.3
 }
 
-/// Width of rung `j` in units of the lobe's planar width times z.
+/// Width of rung `j` in units of the planar width of the phase function times z.
 pub fn rung(j: usize) -> f64 {
     NARROWEST * RATIO.powi(j as i32)
 }
@@ -106,41 +106,43 @@ impl Layout {
         for t in &tau.x {
             for a in &absorption.x {
                 places.extend(width.x.iter().map(|&width| {
-                    let (shape, angle) = match self.family {
+                    let (phase, angle) = match self.family {
                         Family::Gaussian => (b_of_spread_angle(width), width),
                         Family::HenyeyGreenstein => {
-                            let g = self.family.shape(width);
-                            (g, self.family.square_angle(g).sqrt())
+                            let g = self.family.parameter_at(width);
+                            (g, self.family.mean_square_angle(g).sqrt())
                         }
                     };
-                    Place { tau: t * t, absorption: 0.5 * a.exp_m1(), shape, angle }
+                    Place { tau: t * t, absorption: 0.5 * a.exp_m1(), phase, angle }
                 }));
             }
         }
         places
     }
 
-    /// Coordinate of a shape on the third axis, and its derivative.
-    pub(super) fn place(&self, shape: f64) -> (f64, f64) {
+    /// Coordinate of a phase-function parameter on the third axis, and its derivative.
+    pub(super) fn place(&self, parameter: f64) -> (f64, f64) {
         let (coordinate, slope) = match self.family {
-            Family::Gaussian => ((4.0 * shape).sqrt(), 1.0 / shape.sqrt()),
-            Family::HenyeyGreenstein => (self.family.coordinate(shape), 1.0 / self.family.slope(shape)),
+            Family::Gaussian => ((4.0 * parameter).sqrt(), 1.0 / parameter.sqrt()),
+            Family::HenyeyGreenstein => {
+                (self.family.coordinate(parameter), 1.0 / self.family.slope(parameter))
+            }
         };
         if coordinate > self.ends.0 { (coordinate, slope) } else { (self.ends.0, 0.0) }
     }
 
-    /// [`bending`] at a shape.
-    pub(super) fn bending(&self, shape: f64) -> Dual {
+    /// [`bending`] at a phase-function parameter.
+    pub(super) fn bending(&self, parameter: f64) -> Dual {
         let slope = match self.family {
             Family::Gaussian => 4.0,
             Family::HenyeyGreenstein => -2.0,
         };
-        let angle = self.family.square_angle(shape).sqrt();
+        let angle = self.family.mean_square_angle(parameter).sqrt();
         Dual { value: bending(angle), gradient: [0.0, 0.0, slope] }
     }
 
     /// Refuses what is not served.
-    pub(super) fn check(&self, tau: f64, absorption: f64, shape: f64) -> Result<()> {
+    pub(super) fn check(&self, tau: f64, absorption: f64, parameter: f64) -> Result<()> {
         for (name, value, end, allowed) in [
             (
                 "sigma_s z",
@@ -159,14 +161,19 @@ impl Layout {
         }
         match self.family {
             Family::Gaussian => {
-                let (degrees, widest) = ((4.0 * shape).sqrt().to_degrees(), self.ends.1.to_degrees());
+                let (degrees, widest) = ((4.0 * parameter).sqrt().to_degrees(), self.ends.1.to_degrees());
                 let allowed = "at most 60 degrees, where the table of model wide-angle ends (--model traced has no end)";
                 in_range("spread angle", degrees, degrees <= widest * (1.0 + 1e-12), allowed)?;
             }
             Family::HenyeyGreenstein => {
                 let allowed =
                     "at least .5, where the table of model wide-angle ends (--model traced has no end)";
-                in_range("g", shape, shape >= self.family.shape(self.ends.1) * (1.0 - 1e-12), allowed)?;
+                in_range(
+                    "g",
+                    parameter,
+                    parameter >= self.family.parameter_at(self.ends.1) * (1.0 - 1e-12),
+                    allowed,
+                )?;
             }
         }
         Ok(())
@@ -174,10 +181,10 @@ impl Layout {
 
     /// The media that the table has kernels for.
     pub fn range(&self) -> Range {
-        let shape = match self.family {
+        let phase = match self.family {
             Family::Gaussian => [0.0, b_of_spread_angle(self.ends.1)],
-            Family::HenyeyGreenstein => [self.family.shape(self.ends.1), 1.0],
+            Family::HenyeyGreenstein => [self.family.parameter_at(self.ends.1), 1.0],
         };
-        Range { tau: Self::TAU.1, absorption: Self::ABSORPTION.1, shape }
+        Range { tau: Self::TAU.1, absorption: Self::ABSORPTION.1, phase }
     }
 }

@@ -1,8 +1,8 @@
 //! `wide-angle`: right at every angle, from a table made by tracing.
 //!
-//! In units of the path length z a medium is three numbers: tau = sigma_s z, a = sigma_a z and the shape of the phase
-//! function, B or g; D is the root of its [square angle](crate::phase::Family::square_angle). The table of a family holds,
-//! at nodes of them, the kernel as a mixture of positive Gaussians of widths s_j = x_j z w, w the lobe's planar width, which
+//! In units of the path length z a medium is three numbers: tau = sigma_s z, a = sigma_a z and the parameter of the phase
+//! function, B or g; D is the root of its [mean-square scattering angle](crate::phase::Family::mean_square_angle). The table of a
+//! family holds, at nodes of them, the kernel as a mixture of positive Gaussians of widths s_j = x_j z w, w the planar width of the phase function, which
 //! the small-angle kernel is exactly and the true one within the errors that `tests/wide_angle.rs` prints:
 //!
 //! ```text
@@ -60,11 +60,10 @@ pub fn table_of(family: Family) -> &'static Table {
 }
 
 /// The tabulated kernel of one medium and path length.
-pub struct WideAngle<'a> {
+pub struct WideAngle {
     medium: Medium,
-    phase: &'a dyn PhaseFunction,
     z: f64,
-    /// Derivative in the shape of the logarithm of every variance.
+    /// Derivative in the phase-function parameter of the logarithm of every variance.
     widening: f64,
     rungs: Vec<Rung>,
 }
@@ -79,17 +78,18 @@ struct Rung {
     variance: f64,
 }
 
-impl<'a> WideAngle<'a> {
-    /// The kernel of `table`, that of the family of `phase`, for `medium` and `phase` after the path length `z`.
+impl WideAngle {
+    /// The kernel of `table`, that of the family of its phase function, for `medium` after the path length `z`.
     ///
     /// # Errors
     /// [`Error::OutOfRange`](crate::Error::OutOfRange), with the range, where the table ends.
     ///
     /// # Panics
     /// If the table is another family's.
-    pub fn new(table: &Table, medium: &Medium, phase: &'a dyn PhaseFunction, z: f64) -> Result<Self> {
+    pub fn new(table: &Table, medium: &Medium, z: f64) -> Result<Self> {
+        let phase = medium.phase();
         assert_eq!(table.layout().family, phase.family(), "the table of the family");
-        let node = table.at(medium.tau(z), medium.sigma_a() * z, phase.shape())?;
+        let node = table.at(medium.tau(z), medium.sigma_a() * z, phase.parameter())?;
         // From (tau, a) to (sigma_s, sigma_a).
         let in_medium = |d: Dual| Dual {
             value: d.value,
@@ -103,9 +103,9 @@ impl<'a> WideAngle<'a> {
         let total = phi * exp(in_medium(node.total));
         let widening = z * phase.planar_width_derivative();
         let width = Dual { value: z * phase.planar_width(), gradient: [0.0, 0.0, widening] };
-        let lobe =
+        let planar_width =
             Dual { value: phase.planar_width(), gradient: [0.0, 0.0, phase.planar_width_derivative()] };
-        let rise = total * exp(in_medium(node.slope)) * lobe * width;
+        let rise = total * exp(in_medium(node.slope)) * planar_width * width;
         let shares = |roots: &[Dual]| -> Vec<Dual> {
             let squares: Vec<Dual> = roots.iter().map(|&r| in_medium(r * r)).collect();
             let sum = squares.iter().fold(Dual::default(), |sum, &s| sum + s);
@@ -121,7 +121,7 @@ impl<'a> WideAngle<'a> {
             }
         };
         let widening = 2.0 * phase.planar_width_derivative() / phase.planar_width();
-        Ok(Self { medium: *medium, phase, z, widening, rungs: (0..light.len()).map(rung_of).collect() })
+        Ok(Self { medium: *medium, z, widening, rungs: (0..light.len()).map(rung_of).collect() })
     }
 
     /// sum_j w_j exp(-s_j² k²/2) with its derivatives.
@@ -135,17 +135,13 @@ impl<'a> WideAngle<'a> {
     }
 }
 
-impl SpreadKernel for WideAngle<'_> {
+impl SpreadKernel for WideAngle {
     fn path_length(&self) -> f64 {
         self.z
     }
 
     fn medium(&self) -> &Medium {
         &self.medium
-    }
-
-    fn phase(&self) -> Option<&dyn PhaseFunction> {
-        Some(self.phase)
     }
 
     fn scattered_transfer(&self, k: f64) -> Dual {
@@ -174,6 +170,6 @@ impl SpreadKernel for WideAngle<'_> {
     }
 
     fn width(&self) -> f64 {
-        self.z * self.phase.planar_width()
+        self.z * self.medium.phase().planar_width()
     }
 }

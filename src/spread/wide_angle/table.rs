@@ -1,4 +1,4 @@
-//! The tables behind `wide-angle`: numbers at Chebyshev nodes of tau, sigma_a z and the lobe's width, one table for each
+//! The tables behind `wide-angle`: numbers at Chebyshev nodes of tau, sigma_a z and the width of the phase function, one table for each
 //! family of phase functions.
 //!
 //! A file is one line that says how it was made, and then the nodes' numbers, f32, little endian, in the order of
@@ -12,11 +12,11 @@ use crate::spread::Dual;
 /// First words of a table's line.
 const KIND: &str = "narrowbeam wide-angle table 1;";
 
-/// What is interpolated, with derivatives in tau, sigma_a z and the shape.
+/// What is interpolated, with derivatives in tau, sigma_a z and the phase-function parameter.
 pub(super) struct Interpolated {
     /// ln(W/phi).
     pub total: Dual,
-    /// ln(V/W) over the lobe's width.
+    /// ln(V/W) over the planar width of the phase function.
     pub slope: Dual,
     pub light_roots: Vec<Dual>,
     pub slope_roots: Vec<Dual>,
@@ -74,15 +74,15 @@ impl Table {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] outside the table.
-    pub(super) fn at(&self, tau: f64, absorption: f64, shape: f64) -> Result<Interpolated> {
+    pub(super) fn at(&self, tau: f64, absorption: f64, parameter: f64) -> Result<Interpolated> {
         let layout = self.layout;
-        layout.check(tau, absorption, shape)?;
+        layout.check(tau, absorption, parameter)?;
 
-        // Coordinates, and their derivatives in tau, sigma_a z and the shape.
-        let (width, in_shape) = layout.place(shape);
+        // Coordinates, and their derivatives in tau, sigma_a z and the phase-function parameter.
+        let (width, in_parameter) = layout.place(parameter);
         let x = [tau.max(Layout::TAU.0).sqrt(), (2.0 * absorption).ln_1p(), width];
         let in_tau = if tau > Layout::TAU.0 { 0.5 / tau.sqrt() } else { 0.0 };
-        let dx = [in_tau, 2.0 / (1.0 + 2.0 * absorption), in_shape];
+        let dx = [in_tau, 2.0 / (1.0 + 2.0 * absorption), in_parameter];
         let basis: [Vec<f64>; 3] = std::array::from_fn(|i| self.axes[i].basis(x[i]));
         let slope: [Vec<f64>; 3] =
             std::array::from_fn(|i| self.axes[i].basis_slope(x[i]).into_iter().map(|s| s * dx[i]).collect());
@@ -108,7 +108,7 @@ impl Table {
         let dual = |i: usize| Dual { value: sums[0][i], gradient: [sums[1][i], sums[2][i], sums[3][i]] };
         let (first, rungs) = (2, layout.rungs);
         Ok(Interpolated {
-            total: dual(0) * layout.bending(shape),
+            total: dual(0) * layout.bending(parameter),
             slope: dual(1),
             light_roots: (first..first + rungs).map(dual).collect(),
             slope_roots: (first + rungs..first + 2 * rungs).map(dual).collect(),

@@ -6,8 +6,9 @@ use crate::filter::{Backend, Filter, Optics, Target, hidden_share};
 use crate::fit::path_lengths;
 use crate::image::{Channel, Image};
 use crate::io::exr::ExrFile;
+use crate::medium::Medium;
 use crate::relief::Relief;
-use crate::scene::{Gain, MediumValues, Noise, Observation, Purpose, Scene, Veil, read_truth};
+use crate::scene::{Gain, Noise, Observation, ObservedScene, Scene, Veil, read_truth};
 use crate::spread::Model;
 use crate::trace::Estimate;
 use std::path::Path;
@@ -17,60 +18,62 @@ use std::path::Path;
 pub struct Dataset {
     /// Name of its folder.
     pub name: String,
-    /// The scene, with its observation.
-    pub scene: Scene,
+    /// The scene with its observation.
+    pub observed: ObservedScene,
     /// The medium of each channel.
-    pub truth: Vec<MediumValues>,
+    pub truth: Vec<Medium>,
     /// Median path length, length.
     pub z: f64,
     /// Channel and index of every pixel that counts: where the mask lets it, and hardly any light is hidden.
     counted: Vec<(usize, usize)>,
     /// Light from the object at these pixels, gain and veil taken off, with its noise.
-    observed: Vec<Estimate>,
+    light: Vec<Estimate>,
 }
 
 impl Dataset {
     /// Reads `scene.toml` and `truth.toml` of `folder`.
     ///
     /// # Errors
-    /// As [`Scene::read`] and [`read_truth`]; [`Error::Scene`] if gain, veil or noise of the observation are not known.
+    /// As [`ObservedScene::read`] and [`read_truth`]; [`Error::Scene`] if gain, veil or noise of the observation are not known.
     pub fn read(folder: &Path) -> Result<Self> {
-        let scene = Scene::read(&folder.join("scene.toml"), Purpose::Fit)?;
+        let observed = ObservedScene::read(&folder.join("scene.toml"))?;
+        let channels = observed.scene.object.len();
         let truth_path = folder.join("truth.toml");
         let mut truth = read_truth(&truth_path)?;
         if truth.len() == 1 {
-            truth.resize(scene.object.len(), truth[0]);
-        } else if truth.len() != scene.object.len() {
+            truth.resize(channels, truth[0]);
+        } else if truth.len() != channels {
             return Err(Error::Scene {
                 path: truth_path,
                 message: "[medium] has three values, but the object image has one channel".into(),
             });
         }
-        let z = path_lengths(&[&scene.geometry]).median;
+        let z = path_lengths(&[&observed.scene.geometry]).median;
         let whole = folder.canonicalize().unwrap_or_else(|_| folder.to_path_buf());
         let name = whole.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let mut set = Self { name, scene, truth, z, counted: Vec::new(), observed: Vec::new() };
-        for (channel, pixel, light) in set.light()? {
+        let mut set = Self { name, observed, truth, z, counted: Vec::new(), light: Vec::new() };
+        for (channel, pixel, light) in set.light_that_counts()? {
             set.counted.push((channel, pixel));
-            set.observed.push(light);
+            set.light.push(light);
         }
-        if set.compare(set.observed.iter().map(|o| o.value).collect()).is_none() {
-            let what = format!("{}: its light is not above its noise", set.scene.path.display());
+        if set.compare(set.light.iter().map(|o| o.value).collect()).is_none() {
+            let what = format!("{}: its light is not above its noise", set.scene().path.display());
             return Err(Error::NothingToFit(what));
         }
         Ok(set)
     }
 
-    fn observation(&self) -> &Observation {
-        self.scene.observation.as_ref().expect("read for a fit")
+    /// The scene.
+    pub fn scene(&self) -> &Scene {
+        &self.observed.scene
     }
 
     /// Channel, index and object light of the pixels that count.
-    fn light(&self) -> Result<Vec<(usize, usize, Estimate)>> {
-        let o = self.observation();
+    fn light_that_counts(&self) -> Result<Vec<(usize, usize, Estimate)>> {
+        let o = &self.observed.observation;
         let refuse = |why: &str| {
             let message = format!("[observation] {why}: without, the error of a render is not known");
-            Error::Scene { path: self.scene.path.clone(), message }
+            Error::Scene { path: self.scene().path.clone(), message }
         };
         let Gain::Fixed(gain) = o.gain else { return Err(refuse("gain must be a number")) };
         if o.veil == Veil::Free {
@@ -78,12 +81,11 @@ impl Dataset {
         }
         let variances =
             variances(o)?.ok_or_else(|| refuse("noise is missing, and so is a channel of variance"))?;
-        let relief = Filter::Auto.relief(&self.scene.geometry);
+        let relief = Filter::Auto.relief(&self.scene().geometry);
         let mut light = Vec::new();
         for (c, channel) in o.image.iter().enumerate() {
-            let hidden = self.with_optics(Model::SmallAngle, c, |optics| {
-                hidden_share(&self.target(c, relief.as_ref()), optics, Backend::Cpu)
-            })?;
+            let optics = self.optics(Model::SmallAngle, c);
+            let hidden = hidden_share(&self.target(c, relief.as_ref()), &optics, Backend::Cpu)?;
             for (i, &value) in channel.image.data.iter().enumerate() {
                 let masked = o.mask.as_ref().is_some_and(|mask| mask.data[i] <= 0.0);
                 if masked || f64::from(hidden.data[i]) > o.hidden_share_max {
@@ -104,25 +106,19 @@ impl Dataset {
         Ok(light)
     }
 
-    /// Calls `f` with the optics of `model` in the medium of channel `c`.
-    pub(super) fn with_optics<T>(
-        &self,
-        model: Model,
-        c: usize,
-        f: impl FnOnce(&Optics) -> Result<T>,
-    ) -> Result<T> {
-        let phase = self.truth[c].lobe()?;
-        f(&Optics { model, medium: self.truth[c].medium()?, phase: &phase })
+    /// The optics of `model` in the medium of channel `c`.
+    pub(super) fn optics(&self, model: Model, c: usize) -> Optics {
+        Optics { model, medium: self.truth[c] }
     }
 
     /// Channel `c` of the object.
     pub(super) fn target<'a>(&'a self, c: usize, relief: Option<&'a Relief>) -> Target<'a> {
         Target {
-            radiance: &self.scene.object[c].image,
-            behind: &self.scene.behind[c],
-            geometry: &self.scene.geometry,
-            border: self.scene.border,
-            view: self.scene.view,
+            radiance: &self.scene().object[c].image,
+            behind: &self.scene().behind[c],
+            geometry: &self.scene().geometry,
+            border: self.scene().border,
+            view: self.scene().view,
             relief,
         }
     }
@@ -140,12 +136,12 @@ impl Dataset {
 
     /// The error that a perfect render shows for the noise of the observation, at one standard deviation of its square.
     pub fn floor(&self) -> f64 {
-        let perfect = self.compare(self.observed.iter().map(|o| o.value).collect());
+        let perfect = self.compare(self.light.iter().map(|o| o.value).collect());
         perfect.expect("there is light: checked on reading").error.std_error
     }
 
     fn compare(&self, render: Vec<f64>) -> Option<RmsError> {
-        rms_error(&render, &self.observed, None)
+        rms_error(&render, &self.light, None)
     }
 }
 

@@ -5,7 +5,8 @@ use super::timing::{Effort, Timing};
 use crate::filter::Backend;
 use crate::fit::scenes::SceneFit;
 use crate::fit::{NAMES, Parameters, Status};
-use crate::scene::MediumValues;
+use crate::medium::Medium;
+use crate::phase::PhaseFunction;
 use crate::spread::Model;
 use crate::study::stability::Method;
 
@@ -47,9 +48,10 @@ impl Fitted {
 
 /// Errors of sigma_s, sigma_a and B (`values`) relative to the truth; where that is no absorption, the error of sigma_a z. Of g
 /// it is relative to 1 - g.
-pub(super) fn relative_errors(values: [f64; 3], truth: &MediumValues, z: f64) -> [f64; 3] {
-    let scales = [truth.sigma_s, scale(truth.sigma_a, z), truth.family.slope(truth.shape).abs()];
-    let truth = truth.values();
+pub(super) fn relative_errors(values: [f64; 3], truth: &Medium, z: f64) -> [f64; 3] {
+    let slope = truth.phase().family().slope(truth.phase().parameter());
+    let scales = [truth.sigma_s(), scale(truth.sigma_a(), z), slope.abs()];
+    let truth = truth.parameters();
     std::array::from_fn(|i| (values[i] - truth[i]) / scales[i])
 }
 
@@ -74,7 +76,7 @@ pub(super) fn all(set: &Dataset, backends: &[Backend], effort: &Effort, tick: &d
     let mut trials = Vec::new();
     for &backend in backends {
         for method in methods() {
-            let (time, outcome) = match effort.time(|| method.fit(&set.scene, backend)) {
+            let (time, outcome) = match effort.time(|| method.fit(&set.observed, backend)) {
                 Ok((fit, time)) => (Some(time), judge(&fit, set)),
                 Err(error) => (None, Err(error.to_string())),
             };
@@ -104,7 +106,7 @@ fn judge(fit: &SceneFit, set: &Dataset) -> std::result::Result<Fitted, String> {
                     .into_iter()
                     .flatten()
                     .max_by(|a: &f64, b| a.abs().total_cmp(&b.abs()));
-                let unit = if Parameters::is_logarithmic(i) { 1.0 } else { scale(truth.sigma_a, set.z) };
+                let unit = if Parameters::is_logarithmic(i) { 1.0 } else { scale(truth.sigma_a(), set.z) };
                 std_error = std_error.max(spread / unit);
             }
         }
@@ -120,11 +122,11 @@ mod tests {
 
     #[test]
     fn errors_are_relative_and_where_nothing_absorbs_counted_per_path() {
-        let truth = MediumValues::gaussian(2.0, 0.5, 0.01);
+        let truth = Medium::gaussian(2.0, 0.5, 0.01).unwrap();
         assert_eq!(relative_errors([2.0, 0.5, 0.01], &truth, 3.0), [0.0; 3]);
         let [s, a, b] = relative_errors([1.0, 0.6, 0.02], &truth, 3.0);
         assert!((s + 0.5).abs() < 1e-12 && (a - 0.2).abs() < 1e-12 && (b - 1.0).abs() < 1e-12);
-        let clear = MediumValues { sigma_a: 0.0, ..truth };
+        let clear = Medium::gaussian(2.0, 0.0, 0.01).unwrap();
         assert!((relative_errors([2.0, 0.01, 0.01], &clear, 3.0)[1] - 0.03).abs() < 1e-12);
     }
 

@@ -5,7 +5,7 @@ use super::timing::{Effort, Timing};
 use crate::error::Result;
 use crate::filter::{Backend, Filter, Prepared};
 use crate::image::Image;
-use crate::scene::MediumValues;
+use crate::medium::Medium;
 use crate::spread::Model;
 use crate::trace::{Estimate, ImageConfig, trace_image};
 
@@ -56,7 +56,7 @@ pub struct Rendered {
 impl Dataset {
     /// Every way in which to render it by one of `backends` backends, or to trace it.
     pub(super) fn ways(&self, backends: usize, effort: &Effort) -> Vec<Way> {
-        let filters = match Filter::Auto.relief(&self.scene.geometry) {
+        let filters = match Filter::Auto.relief(&self.scene().geometry) {
             Some(_) => &[Filter::Eq29, Filter::Composite][..],
             None => &[Filter::Eq29],
         };
@@ -76,17 +76,16 @@ impl Dataset {
         (model, filter, backend): (Model, Filter, Backend),
         effort: &Effort,
     ) -> Result<(Vec<Image>, Option<Timing>, Timing)> {
-        let relief = filter.relief(&self.scene.geometry);
+        let relief = filter.relief(&self.scene().geometry);
         let channels = || 0..self.truth.len();
-        let prepare = |c: usize| {
-            self.with_optics(model, c, |optics| backend.prepare(self.target(c, relief.as_ref()), optics, 1.0))
-        };
+        let prepare =
+            |c: usize| backend.prepare(self.target(c, relief.as_ref()), &self.optics(model, c), 1.0);
         // What is done once in a program's life, such as compiling shaders, belongs to no image.
         prepare(0)?;
         let once = Effort { runs: 1, ..effort.clone() };
         let (prepared, preparation) =
             once.time(|| channels().map(prepare).collect::<Result<Vec<Prepared>>>())?;
-        let render = |c: usize| self.with_optics(model, c, |optics| prepared[c].render(optics));
+        let render = |c: usize| prepared[c].render(&self.optics(model, c));
         render(0)?;
         let (images, rendering) = effort.time(|| channels().map(render).collect::<Result<Vec<Image>>>())?;
         Ok((images, Some(preparation), rendering))
@@ -94,18 +93,18 @@ impl Dataset {
 
     /// Traces it in the true medium.
     fn trace(&self, samples: u32, effort: &Effort) -> Result<(Vec<Image>, Timing)> {
-        let trace = |(c, truth): (usize, &MediumValues)| {
+        let trace = |(c, truth): (usize, &Medium)| {
             let config = ImageConfig {
-                geometry: &self.scene.geometry,
-                radiance: &self.scene.object[c].image,
-                behind: &self.scene.behind[c],
-                border: self.scene.border,
-                view: self.scene.view,
-                medium: truth.medium()?,
+                geometry: &self.scene().geometry,
+                radiance: &self.scene().object[c].image,
+                behind: &self.scene().behind[c],
+                border: self.scene().border,
+                view: self.scene().view,
+                medium: *truth,
                 samples,
                 seed: SEED + c as u64,
             };
-            Ok(trace_image(&config, &truth.lobe()?, &|_| ())?.mean)
+            Ok(trace_image(&config, &|_| ())?.mean)
         };
         effort.time(|| self.truth.iter().enumerate().map(trace).collect())
     }
@@ -156,11 +155,12 @@ mod tests {
     fn the_right_model_in_the_true_medium_is_within_the_noise_and_a_wrong_medium_is_not() {
         let mut set = set("wide-30");
         // The table's light is good to .2 % (tests/wide_angle.rs), the floor is that of the observation's noise.
-        let truth = error(&set, Model::WideAngle, Filter::Eq29);
-        assert!(truth.value < 3.0 * set.floor() + 0.002, "{truth:?}, floor {}", set.floor());
+        let right = error(&set, Model::WideAngle, Filter::Eq29);
+        assert!(right.value < 3.0 * set.floor() + 0.002, "{right:?}, floor {}", set.floor());
         assert!(error(&set, Model::SmallAngle, Filter::Eq29).value > 0.02);
         // Nearly half of the light is direct: 10 % more scattering takes more than a hundredth off the image.
-        set.truth[0].sigma_s *= 1.1;
+        let truth = set.truth[0];
+        set.truth[0] = Medium::new(1.1 * truth.sigma_s(), truth.sigma_a(), *truth.phase()).unwrap();
         let wrong = error(&set, Model::WideAngle, Filter::Eq29);
         assert!(wrong.value > 0.01 && wrong.std_error < 1e-3, "{wrong:?}");
     }
@@ -168,7 +168,7 @@ mod tests {
     #[test]
     fn half_the_light_errs_by_half_and_the_noise_of_the_truth_is_taken_off() {
         let set = set("mitsuba-checker");
-        let observed = &set.scene.observation.as_ref().unwrap().image[0].image;
+        let observed = &set.observed.observation.image[0].image;
         let halved = Image { data: observed.data.iter().map(|v| 0.5 * v).collect(), ..observed.clone() };
         let error = set.error_of(&[halved]);
         // The observation's own noise, 1.1 % of the mean, is in both images here and adds to neither.
