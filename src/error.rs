@@ -142,6 +142,17 @@ impl Error {
         matches!(self, Error::OutOfRange { .. } | Error::NothingToFit(_) | Error::NoSecondMoment { .. })
     }
 
+    /// The same about what is called so `within` something else: a section of a file, say.
+    pub(crate) fn about(self, within: &str) -> Self {
+        match self {
+            Error::OutOfRange { name, value, allowed } => {
+                Error::OutOfRange { name: format!("{within} {name}"), value, allowed }
+            }
+            Error::NothingToFit(what) => Error::NothingToFit(format!("{within}: {what}")),
+            other => other,
+        }
+    }
+
     /// True where the user's input or usage is to blame, false where the machine is (disk full, say).
     pub fn is_usage(&self) -> bool {
         match self {

@@ -97,6 +97,7 @@ pub mod compare;
 pub mod error;
 pub mod filter;
 pub mod fit;
+pub mod forward;
 pub mod geometry;
 pub mod gpu;
 pub mod illumination;

@@ -46,6 +46,13 @@ pub struct Scene {
     pub fit: Vec<FitOptions>,
 }
 
+impl Scene {
+    /// Names of the object's channels.
+    pub fn channels(&self) -> Vec<&str> {
+        self.object.iter().map(|channel| channel.name.as_str()).collect()
+    }
+}
+
 /// A scene and what was seen of it through the medium.
 #[derive(Debug, Clone)]
 pub struct ObservedScene {
@@ -116,6 +123,8 @@ pub struct Observation {
     /// Largest hidden share of a pixel that counts: the share of its light that may come from behind nearer surfaces,
     /// from where no layer shows anything. Above 0, at most 1.
     pub hidden_share_max: f64,
+    /// Whether the image lies on the object's, or is to be registered.
+    pub registration: Registration,
 }
 
 /// The noise of an observation.
@@ -147,17 +156,42 @@ pub enum Veil {
     Free,
 }
 
-/// What the user asks of the fit of one channel; `None` leaves it to the program. Where a value is fixed, its start
-/// and bounds do not matter. Values and bounds are finite, sigma_s and B above 0, sigma_a at least 0, g between 0 and 1.
+/// Share of hidden light above which a pixel does not count, unless told otherwise: less is lost in the noise of ordinary
+/// images.
+pub const HIDDEN_SHARE_MAX: f64 = 0.01;
+
+/// How an observed image comes to lie on the clear one.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Registration {
+    /// It does already.
+    #[default]
+    None,
+    /// It is shifted by fractions of a pixel or more, which the fit finds.
+    Shift,
+}
+
+/// What the user asks of the fit of one channel.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct FitOptions {
     /// Family of the phase function whose parameter, B or g, is fitted.
     pub family: Family,
-    /// Starting values of sigma_s, sigma_a and the phase-function parameter.
-    pub start: [Option<f64>; 3],
-    /// Values of sigma_s, sigma_a and the phase-function parameter that are held.
-    pub fixed: [Option<f64>; 3],
-    /// Lower and upper bounds of sigma_s, sigma_a and the phase-function parameter, the lower below the upper and the start
-    /// between them.
-    pub bounds: [Option<[f64; 2]>; 3],
+    /// Of the scattering coefficient, 1/length; values above 0.
+    pub sigma_s: ParameterOptions,
+    /// Of the absorption coefficient, 1/length; values of at least 0.
+    pub sigma_a: ParameterOptions,
+    /// Of the phase-function parameter: B (rad²), above 0, or g, between 0 and 1.
+    pub phase: ParameterOptions,
+}
+
+/// What the user asks of one parameter; `None` leaves it to the program. Where a value is fixed, its start and bounds do not
+/// matter. All are finite.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct ParameterOptions {
+    /// Starting value.
+    pub start: Option<f64>,
+    /// A value that is held; it may be 0 of sigma_s too.
+    pub fixed: Option<f64>,
+    /// Lower and upper bound, the lower below the upper and the start between them.
+    pub bounds: Option<[f64; 2]>,
 }

@@ -37,6 +37,14 @@ impl<'a> Backend<'a> {
         }
     }
 
+    /// The graphics adapter, if it is one.
+    pub fn adapter(self) -> Option<String> {
+        match self {
+            Backend::Cpu => None,
+            Backend::Gpu(gpu) => Some(gpu.adapter().to_string()),
+        }
+    }
+
     /// Prepares `target` for kernels up to as wide as those of `optics`, times `headroom`.
     ///
     /// # Errors
@@ -102,6 +110,16 @@ impl Prepared<'_> {
             Prepared::Cpu(filter) => filter.render(optics),
             Prepared::Gpu(filter) => filter.render(optics),
         }
+    }
+
+    /// Stub.
+    pub fn render_shifted(&self, optics: &Optics, _s: [f64; 2]) -> Result<Image> {
+        self.render(optics)
+    }
+
+    /// Stub.
+    pub fn render_shifted_with_gradient(&self, optics: &Optics, _s: [f64; 2]) -> Result<Rendering> {
+        self.render_with_gradient(optics)
     }
 
     /// The image and its derivatives, over the target's view.

@@ -16,6 +16,7 @@
 //! reaches) or the mirrored image, periodically (`mirror`).
 
 mod backend;
+mod stub;
 pub mod basis;
 mod bend;
 pub mod blur;
@@ -39,6 +40,8 @@ mod transfer;
 mod unit_cells;
 
 pub use backend::{Backend, Prepared};
+pub use cpu::Rendering;
+pub use stub::{coarse_shift, shifted};
 pub use hidden::hidden_share;
 pub use plan::{CUT, Coverage};
 

@@ -25,7 +25,7 @@ pub use channel::fit_channel;
 pub use design::{Advice, Plan, add_advice, advise, forecast};
 pub use inference::{ChannelFit, Combination, Covariance, ExposureEstimate, InputError, ModelError, Status};
 pub use interval::{Draws, Intervals, bootstrap, profile};
-pub use observation::{HIDDEN_SHARE_MAX, NoiseTerm, Observation, VeilTerm, white_noise as noise};
+pub use observation::{NoiseTerm, Observation, VeilTerm, white_noise as noise};
 pub use optimise::{Method, PathsUsed};
 pub use parameters::{Bounds, Coordinate, Descriptor, Id, Parameter, Parameters, Role};
 pub use report::{

@@ -5,8 +5,10 @@
 //! is z = depth - surface. This is the only place where pixels become lengths.
 
 mod camera;
+mod path_lengths;
 
 pub use camera::Camera;
+pub use path_lengths::{PathLengths, path_lengths};
 
 use crate::error::{Error, Result, in_range};
 use crate::image::Image;

@@ -1,6 +1,6 @@
 //! `[fit]`: phase function, starting values, fixed values and bounds of each channel.
 
-use super::FitOptions;
+use super::{FitOptions, ParameterOptions};
 use super::format::{FitSection, Numbers, Pairs, PerParameter};
 use super::medium::{channel_value, family, three_for_one};
 use super::source::Source;
@@ -33,49 +33,101 @@ fn channel_options(
     family: Family,
     (i, channels): (usize, usize),
 ) -> Result<FitOptions> {
-    let mut options = FitOptions { family, ..FitOptions::default() };
-    let (start, fixed) = (in_order(&section.start), in_order(&section.fixed));
-    let bounds = in_order(&section.bounds);
-    for (p, name) in ["sigma_s", "sigma_a", family.parameter_name()].into_iter().enumerate() {
-        // The logarithm of sigma_s is fitted, sigma_a may be 0.
-        let check = |key: &str, v: f64| match p {
-            0 => source.positive(key, v),
-            1 => source.non_negative(key, v),
-            _ => source.in_range(key, v, family.allows(v), family.allowed()),
-        };
-        let value = |table: &str, numbers: Option<Numbers>| {
-            let key = format!("[fit] {table} {name}");
-            channel_value(source, &key, numbers, i, channels)?.map(|v| check(&key, v)).transpose()
-        };
-        options.start[p] = value("start", start[p])?;
-        // A parameter that is held may be 0 even if its logarithm would be fitted; a phase function has no width 0.
-        let key = format!("[fit] fixed {name}");
-        let held = channel_value(source, &key, fixed[p], i, channels)?;
-        let allowed = |v| if p == 2 { check(&key, v) } else { source.non_negative(&key, v) };
-        options.fixed[p] = held.map(allowed).transpose()?;
+    let FitSection { start, fixed, bounds, .. } = section;
+    let read = |name: &str, of: Of, given: Given| {
+        Reader { source, family, channel: i, channels, name, of }.options(given)
+    };
+    Ok(FitOptions {
+        family,
+        sigma_s: read("sigma_s", Of::SigmaS, Given { start: start.sigma_s, fixed: fixed.sigma_s, bounds: bounds.sigma_s })?,
+        sigma_a: read("sigma_a", Of::SigmaA, Given { start: start.sigma_a, fixed: fixed.sigma_a, bounds: bounds.sigma_a })?,
+        phase: read(
+            family.parameter_name(),
+            Of::Phase,
+            // Of B and g the one that is not the family's is refused before.
+            Given { start: start.b.or(start.g), fixed: fixed.b.or(fixed.g), bounds: bounds.b.or(bounds.g) },
+        )?,
+    })
+}
 
-        let key = format!("[fit] bounds {name}");
-        options.bounds[p] = match bounds[p] {
-            None => None,
-            Some(Pairs::One(pair)) => Some(pair),
-            Some(Pairs::Three(pairs)) if channels == 3 => Some(pairs[i]),
-            Some(Pairs::Three(_)) => return Err(three_for_one(source, &key)),
+/// Which parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Of {
+    SigmaS,
+    SigmaA,
+    Phase,
+}
+
+/// What the file gives of one parameter.
+struct Given {
+    start: Option<Numbers>,
+    fixed: Option<Numbers>,
+    bounds: Option<Pairs>,
+}
+
+/// Reads what is asked of one parameter of one channel.
+struct Reader<'a> {
+    source: &'a Source<'a>,
+    family: Family,
+    channel: usize,
+    channels: usize,
+    name: &'a str,
+    of: Of,
+}
+
+impl Reader<'_> {
+    fn options(&self, Given { start, fixed, bounds }: Given) -> Result<ParameterOptions> {
+        let key = self.key("start");
+        let start = self.value("start", start)?.map(|v| self.check(&key, v)).transpose()?;
+        // A parameter that is held may be 0 even if its logarithm would be fitted; a phase function has no width 0.
+        let key = self.key("fixed");
+        let allowed = |v| match self.of {
+            Of::Phase => self.check(&key, v),
+            Of::SigmaS | Of::SigmaA => self.source.non_negative(&key, v),
         };
-        if let Some([low, high]) = options.bounds[p] {
-            check(&key, low)?;
-            check(&key, high)?;
-            if low >= high {
-                return Err(
-                    source.error(format!("{key} = [{low}, {high}]: the first must be below the second"))
-                );
-            }
-            let outside = |v: &f64| !(low..=high).contains(v);
-            if let Some(v) = options.start[p].filter(outside).filter(|_| options.fixed[p].is_none()) {
-                return Err(source.error(format!("[fit] start {name} = {v}: must lie within its bounds")));
-            }
+        let fixed = self.value("fixed", fixed)?.map(allowed).transpose()?;
+        let bounds = self.bounds(bounds)?;
+        let outside = |v: &f64| bounds.is_some_and(|[low, high]| !(low..=high).contains(v));
+        if let Some(v) = start.filter(outside).filter(|_| fixed.is_none()) {
+            let message = format!("[fit] start {} = {v}: must lie within its bounds", self.name);
+            return Err(self.source.error(message));
+        }
+        Ok(ParameterOptions { start, fixed, bounds })
+    }
+
+    fn bounds(&self, bounds: Option<Pairs>) -> Result<Option<[f64; 2]>> {
+        let key = self.key("bounds");
+        let [low, high] = match bounds {
+            None => return Ok(None),
+            Some(Pairs::One(pair)) => pair,
+            Some(Pairs::Three(pairs)) if self.channels == 3 => pairs[self.channel],
+            Some(Pairs::Three(_)) => return Err(three_for_one(self.source, &key)),
+        };
+        self.check(&key, low)?;
+        self.check(&key, high)?;
+        if low >= high {
+            let message = format!("{key} = [{low}, {high}]: the first must be below the second");
+            return Err(self.source.error(message));
+        }
+        Ok(Some([low, high]))
+    }
+
+    fn key(&self, table: &str) -> String {
+        format!("[fit] {table} {}", self.name)
+    }
+
+    fn value(&self, table: &str, numbers: Option<Numbers>) -> Result<Option<f64>> {
+        channel_value(self.source, &self.key(table), numbers, self.channel, self.channels)
+    }
+
+    /// `value` if a fit may move the parameter there: the logarithm of sigma_s is fitted, sigma_a may be 0.
+    fn check(&self, key: &str, value: f64) -> Result<f64> {
+        match self.of {
+            Of::SigmaS => self.source.positive(key, value),
+            Of::SigmaA => self.source.non_negative(key, value),
+            Of::Phase => self.source.in_range(key, value, self.family.allows(value), self.family.allowed()),
         }
     }
-    Ok(options)
 }
 
 /// The keys of `table` that are parameters of a phase function.
@@ -85,9 +137,4 @@ fn phase_parameters<T>(table: &PerParameter<T>) -> Vec<&'static str> {
         Family::HenyeyGreenstein => table.g.is_some(),
     };
     Family::ALL.into_iter().filter(given).map(Family::parameter_name).collect()
-}
-
-/// sigma_s, sigma_a and whichever phase-function parameter is given: the other is refused before.
-fn in_order<T: Copy>(table: &PerParameter<T>) -> [Option<T>; 3] {
-    [table.sigma_s, table.sigma_a, table.b.or(table.g)]
 }

@@ -84,6 +84,7 @@ pub(super) struct ObservationSection {
     #[serde(default)]
     pub veil: VeilValue,
     pub hidden_share_max: Option<f64>,
+    pub registration: Option<String>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -4,14 +4,11 @@ use super::format::{NumberOrFree, ObservationSection, VeilValue};
 use super::images::{Frame, check_pixels, check_size};
 use super::source::Source;
 use super::variance;
-use super::{Gain, Noise, Observation, Scene, Veil};
+use super::{Gain, HIDDEN_SHARE_MAX, Noise, Observation, Registration, Scene, Veil};
 use crate::error::{Error, Result};
 use crate::image::{Channel, Image, View};
 use crate::io::exr::{self, ExrFile};
 use std::path::{Path, PathBuf};
-
-/// Default of `hidden_share_max`: less than this is lost in the noise of ordinary images.
-const HIDDEN_SHARE_MAX: f64 = 0.01;
 
 /// The part of the object image, `object` (width, height) px large, that is observed: its size is that of the observed
 /// image.
@@ -150,7 +147,19 @@ pub(super) fn read_observation(
     let ok = share > 0.0 && share <= 1.0;
     let key = "[observation] hidden_share_max";
     let hidden_share_max = source.in_range(key, share, ok, "above 0 and at most 1")?;
-    Ok(Observation { path, image, noise, mask, gain, gain_error, veil, hidden_share_max })
+    let registration = read_registration(source, section.registration.as_deref())?;
+    Ok(Observation { path, image, noise, mask, gain, gain_error, veil, hidden_share_max, registration })
+}
+
+fn read_registration(source: &Source, name: Option<&str>) -> Result<Registration> {
+    match name {
+        None | Some("none") => Ok(Registration::None),
+        Some("shift") => Ok(Registration::Shift),
+        Some(other) => {
+            let known = "none, shift";
+            Err(source.error(format!("[observation] registration: unknown registration {other}; known are {known}")))
+        }
+    }
 }
 
 fn read_mask(path: &Path, observed: &Frame) -> Result<Image> {

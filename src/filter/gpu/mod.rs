@@ -164,7 +164,7 @@ impl<'a> GpuFilter<'a> {
             let data = values.iter().map(|v| (f64::from(*v) * units[i]) as f32).collect();
             Image { width, height, data }
         };
-        Ok(super::cpu::Rendering { image: plane(0), gradient: Some([plane(1), plane(2), plane(3)]) })
+        Ok(super::cpu::Rendering { image: plane(0), gradient: Some([plane(1), plane(2), plane(3)]), motion: None })
     }
 
     /// Uploads an observation over the view: the value of each of its `pixels`, and its weight, 0 where it does not count.
@@ -187,7 +187,8 @@ impl<'a> GpuFilter<'a> {
         observation: &GpuObservation,
         [gain, veil]: [f64; 2],
         derivatives: bool,
-    ) -> Result<[[f64; 6]; 6]> {
+        _shift: Option<[f64; 2]>,
+    ) -> Result<nalgebra::DMatrix<f64>> {
         let mut recording = self.evaluate(optics, derivatives)?;
         let view = self.plan.target.view;
         let parameters = Sums {
@@ -215,7 +216,7 @@ impl<'a> GpuFilter<'a> {
             all[i][j] = (f64::from(high) + f64::from(low)) * units[i] * units[j];
             all[j][i] = all[i][j];
         }
-        Ok(all)
+        Ok(nalgebra::DMatrix::from_fn(6, 6, |i, j| all[i][j]))
     }
 
     fn units(&self, optics: &Optics) -> Units {

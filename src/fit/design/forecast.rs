@@ -12,7 +12,10 @@ use crate::forward::render;
 use crate::image::Channel;
 use crate::medium::Medium;
 use crate::phase::PhaseFunction;
-use crate::scene::{FitOptions, Gain, Noise, Observation, ObservedScene, ParameterOptions, Registration, Scene, Veil};
+use crate::scene::{
+    FitOptions, Gain, HIDDEN_SHARE_MAX, Noise, Observation, ObservedScene, ParameterOptions, Registration, Scene,
+    Veil,
+};
 
 /// How the planned images will be taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,7 +64,7 @@ impl Plan {
             gain: if self.free_gain { Gain::Free } else { Gain::Fixed(1.0) },
             veil: if self.free_veil { Veil::Free } else { Veil::Fixed(0.0) },
             gain_error: 0.0,
-            hidden_share_max: crate::fit::HIDDEN_SHARE_MAX,
+            hidden_share_max: HIDDEN_SHARE_MAX,
             registration: Registration::None,
         }
     }

@@ -12,7 +12,7 @@ pub(super) use registration::Aligned;
 use crate::filter::Target;
 use crate::forward::Exposure;
 use crate::image::Image;
-use crate::scene::{Gain, Registration};
+use crate::scene::{Gain, HIDDEN_SHARE_MAX, Registration};
 
 /// The veil of one channel, in units of the observation.
 #[derive(Debug, Clone, Copy)]
@@ -97,7 +97,3 @@ impl<'a> Observation<'a> {
         usize::from(self.gain == Gain::Free) + usize::from(matches!(self.veil, VeilTerm::Free))
     }
 }
-
-/// Share of hidden light above which a pixel does not count, unless told otherwise: less is lost in the noise of ordinary
-/// images.
-pub const HIDDEN_SHARE_MAX: f64 = 0.01;
