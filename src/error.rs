@@ -1,16 +1,15 @@
 //! Every way in which the library can refuse, each naming the culprit.
 
-use crate::phase::Family;
 use std::path::PathBuf;
 
-/// What went wrong, with the name, file, key or pixel that is to be mended.
+/// What went wrong, with the name, value, file or pixel that is to be mended.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A number outside the range in which the physics is defined.
     #[error("{name} = {value}: must be {allowed}")]
     OutOfRange {
-        /// The quantity, by its name in the scene file or on the command line.
+        /// The quantity's name.
         name: String,
         /// The value given.
         value: f64,
@@ -85,21 +84,11 @@ pub enum Error {
     NoSecondMoment {
         /// The model's name.
         model: &'static str,
-        /// The phase function.
-        phase: Family,
-    },
-    /// Something that is made for the Gaussian phase function alone.
-    #[error("{what} is made for the Gaussian phase function, not for {phase}")]
-    OnlyGaussian {
-        /// What is.
-        what: &'static str,
-        /// The phase function that it was given.
-        phase: Family,
+        /// The phase function's printed name.
+        phase: String,
     },
     /// A model that has no kernel was asked for one.
-    #[error(
-        "model traced has no kernel, its paths are traced scene by scene; use it with narrowbeam fit or render"
-    )]
+    #[error("model traced has no kernel: its paths are traced scene by scene")]
     NoKernel,
     /// A name that is none of those known.
     #[error("unknown {what} {name}; known are {known}")]
@@ -111,22 +100,24 @@ pub enum Error {
         /// The names that would have served.
         known: String,
     },
-    /// An option that the interface names and the program does not yet have.
+    /// A combination that the library does not have.
     #[error("{0} is not built yet")]
     NotBuilt(String),
-    /// Options that contradict each other.
-    #[error("{0}")]
-    Usage(String),
+    /// Bytes that are no table of a kernel.
+    #[error("no table: {0}")]
+    BadTable(String),
     /// Input that is well formed but holds nothing that a fit could use.
     #[error("nothing to fit: {0}")]
     NothingToFit(String),
-    /// A machine without the graphics adapter that was asked for.
+    /// A machine without a graphics adapter.
+    #[cfg(feature = "gpu")]
     #[error(
-        "--backend gpu: this machine has no graphics adapter with Vulkan, Metal or Direct3D 12; install its driver (a \
-         software one is Mesa's: package mesa-vulkan-drivers), or use --backend cpu"
+        "this machine has no graphics adapter with Vulkan, Metal or Direct3D 12; install its driver (a software one is \
+         Mesa's: package mesa-vulkan-drivers)"
     )]
     NoAdapter,
     /// A graphics adapter that failed, or cannot do what is asked.
+    #[cfg(feature = "gpu")]
     #[error("{0}")]
     Gpu(String),
     /// A computation that produced a number that is not finite.
@@ -147,7 +138,9 @@ impl Error {
     pub fn is_usage(&self) -> bool {
         match self {
             Error::Write { source, .. } => source.kind() != std::io::ErrorKind::StorageFull,
-            Error::NotFinite(_) | Error::Gpu(_) => false,
+            #[cfg(feature = "gpu")]
+            Error::Gpu(_) => false,
+            Error::NotFinite(_) => false,
             _ => true,
         }
     }

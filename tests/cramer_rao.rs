@@ -6,9 +6,9 @@ use narrowbeam::fit::forecast::{Plan, forecast};
 use narrowbeam::fit::noise::with_noise;
 use narrowbeam::geometry::{Field, Geometry};
 use narrowbeam::image::{Border, Image};
+use narrowbeam::lab::study::{Setting, Texture};
 use narrowbeam::phase::b_of_spread_angle;
 use narrowbeam::scene::{MediumValues, Scene};
-use narrowbeam::study::{Setting, Texture};
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 

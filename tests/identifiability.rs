@@ -6,9 +6,9 @@ use narrowbeam::fit::noise::with_noise;
 use narrowbeam::fit::scenes::{SceneFit, fit_scenes};
 use narrowbeam::fit::{NAMES, Parameters, Settings, Status};
 use narrowbeam::image::{Border, Image};
+use narrowbeam::lab::study::{Setting, Texture};
 use narrowbeam::scene::{Gain, MediumValues, Noise, Scene};
 use narrowbeam::spread::Model;
-use narrowbeam::study::{Setting, Texture};
 use serde_json::Value;
 
 const THIN: Setting = Setting {

@@ -7,10 +7,10 @@ use narrowbeam::filter::Filter;
 use narrowbeam::fit::scenes::fit_scenes;
 use narrowbeam::fit::{ChannelFit, NAMES, Settings};
 use narrowbeam::image::Image;
+use narrowbeam::lab::study::{Setting, Texture};
 use narrowbeam::phase::Gaussian;
 use narrowbeam::scene::{MediumValues, Purpose, Scene};
 use narrowbeam::spread::Model;
-use narrowbeam::study::{Setting, Texture};
 use program::write_exr;
 use tempfile::TempDir;
 

@@ -5,11 +5,15 @@ use super::observed::Observed;
 use super::{Parameters, Settings, with_optics};
 use crate::error::Result;
 use crate::filter::cpu::Rendering;
+#[cfg(feature = "gpu")]
 use crate::filter::gpu::GpuObservation;
 use crate::filter::{Optics, Prepared};
 use crate::image::Image;
+#[cfg(feature = "gpu")]
 use nalgebra::{Matrix6, Vector2};
-use std::cell::{Cell, RefCell};
+#[cfg(feature = "gpu")]
+use std::cell::Cell;
+use std::cell::RefCell;
 use std::rc::Rc;
 
 /// A prepared target and what its renders are compared with.
@@ -17,9 +21,11 @@ pub(super) struct Comparison<'a> {
     pub filter: Prepared<'a>,
     /// Parameter values, and what the CPU rendered there with derivatives: an optimum is looked at more than once.
     latest: RefCell<Option<([f64; 3], Rc<Rendering>)>>,
+    #[cfg(feature = "gpu")]
     on_device: Option<OnDevice>,
 }
 
+#[cfg(feature = "gpu")]
 struct OnDevice {
     observation: GpuObservation,
     /// Gain and veil of the last evaluation: the residual is formed with them, in f32, so they should be near.
@@ -28,13 +34,20 @@ struct OnDevice {
 
 impl<'a> Comparison<'a> {
     pub(super) fn new(filter: Prepared<'a>, observed: &Observed) -> Result<Self> {
-        let mut comparison = Self { filter, latest: RefCell::new(None), on_device: None };
+        let mut comparison = Self {
+            filter,
+            latest: RefCell::new(None),
+            #[cfg(feature = "gpu")]
+            on_device: None,
+        };
         comparison.observe(observed)?;
         Ok(comparison)
     }
 
     /// Takes the pixels of `observed` that count now.
+    #[cfg_attr(not(feature = "gpu"), expect(unused_variables, reason = "only a device keeps the pixels"))]
     pub(super) fn observe(&mut self, observed: &Observed) -> Result<()> {
+        #[cfg(feature = "gpu")]
         if let Prepared::Gpu(filter) = &self.filter {
             let observation = filter.observe(observed.values().into_iter())?;
             let reference = Cell::new(observed.given_exposure());
@@ -50,6 +63,7 @@ impl<'a> Comparison<'a> {
         settings: &Settings,
         observed: &Observed,
     ) -> Result<Products> {
+        #[cfg(feature = "gpu")]
         if self.on_device.is_some() {
             return with_optics(parameters, settings.model, |optics| self.on_device(optics, observed, true));
         }
@@ -59,6 +73,7 @@ impl<'a> Comparison<'a> {
 
     /// The sums of a render alone.
     pub(super) fn levels(&self, optics: &Optics, observed: &Observed) -> Result<Products> {
+        #[cfg(feature = "gpu")]
         if self.on_device.is_some() {
             return self.on_device(optics, observed, false);
         }
@@ -67,6 +82,7 @@ impl<'a> Comparison<'a> {
 
     /// The image at `parameters`.
     pub(super) fn image(&self, parameters: &Parameters, settings: &Settings) -> Result<Image> {
+        #[cfg(feature = "gpu")]
         if self.on_device.is_some() {
             return with_optics(parameters, settings.model, |optics| self.filter.render(optics));
         }
@@ -86,6 +102,7 @@ impl<'a> Comparison<'a> {
         Ok(rendering)
     }
 
+    #[cfg(feature = "gpu")]
     fn on_device(&self, optics: &Optics, observed: &Observed, derivatives: bool) -> Result<Products> {
         let (Prepared::Gpu(filter), Some(on_device)) = (&self.filter, &self.on_device) else {
             unreachable!("asked for where there is a device");

@@ -165,6 +165,7 @@ impl<'a> Observed<'a> {
     }
 
     /// Gain and veil that fit best.
+    #[cfg(feature = "gpu")]
     pub(super) fn exposure(&self, products: &Products) -> Vector2<f64> {
         self.expose(products).0
     }

@@ -219,6 +219,7 @@ impl FitReport {
 fn backend(backend: Backend) -> Value {
     let adapter = match backend {
         Backend::Cpu => Value::Null,
+        #[cfg(feature = "gpu")]
         Backend::Gpu(gpu) => json!(gpu.adapter().to_string()),
     };
     json!({ "kind": backend.name(), "adapter": adapter })

@@ -12,7 +12,6 @@ use argmin::core::{
 };
 use argmin::solver::neldermead::NelderMead;
 use nalgebra::Vector3;
-use std::str::FromStr;
 
 /// Choice of optimiser.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,18 +22,15 @@ pub enum Method {
     NelderMead,
 }
 
-impl FromStr for Method {
-    type Err = Error;
+impl Method {
+    /// All optimisers.
+    pub const ALL: [Method; 2] = [Method::LevenbergMarquardt, Method::NelderMead];
 
-    fn from_str(name: &str) -> Result<Self> {
-        match name {
-            "levenberg-marquardt" => Ok(Method::LevenbergMarquardt),
-            "nelder-mead" => Ok(Method::NelderMead),
-            _ => Err(Error::UnknownName {
-                what: "solver",
-                name: name.into(),
-                known: "levenberg-marquardt, nelder-mead".into(),
-            }),
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::LevenbergMarquardt => "levenberg-marquardt",
+            Method::NelderMead => "nelder-mead",
         }
     }
 }

@@ -212,7 +212,7 @@ impl Model {
             (
                 Model::Gaussian | Model::NarrowBeamPrinted | Model::NarrowBeam,
                 phase @ Family::HenyeyGreenstein,
-            ) => Err(Error::NoSecondMoment { model: self.name(), phase }),
+            ) => Err(Error::NoSecondMoment { model: self.name(), phase: phase.to_string() }),
             _ => Ok(everything),
         }
     }
@@ -231,9 +231,10 @@ impl Model {
     ) -> Result<Box<dyn SpreadKernel + 'a>> {
         in_range("z", z, z.is_finite() && z > 0.0, "finite and above 0 (length)")?;
         let matched = |profile, moments| -> Result<Box<dyn SpreadKernel + 'a>> {
-            let second = phase
-                .planar_second_moment()
-                .ok_or(Error::NoSecondMoment { model: self.name(), phase: phase.family() })?;
+            let second = phase.planar_second_moment().ok_or_else(|| Error::NoSecondMoment {
+                model: self.name(),
+                phase: phase.family().to_string(),
+            })?;
             Ok(Box::new(MomentMatched::new(*medium, (phase, second), z, profile, moments)))
         };
         match self {

@@ -1,7 +1,7 @@
 //! What `narrowbeam kernel` says on stdout: totals, second moments, validity, and agreement with traced light.
 
 use super::Setting;
-use crate::compare::{MEDIAN_RADII, worst_encircled_error};
+use crate::lab::compare::{MEDIAN_RADII, worst_encircled_error};
 use crate::phase::{Lobe, PhaseFunction};
 use crate::spread::{Model, SMALL_ANGLE_LIMIT, SpreadKernel, second_moments, small_angle_error};
 use crate::trace::{Estimate, RadialProfile};

@@ -2,9 +2,9 @@
 
 use crate::error::Result;
 use crate::image::Image;
+use crate::lab::study::stability::{Trial, Verdict};
+use crate::lab::study::sweeps::{Extent, METHODS};
 use crate::plots::{Axis, ChartGrid, LineChart, Map, MapGrid, MapRow, Series, Shade};
-use crate::study::stability::{Trial, Verdict};
-use crate::study::sweeps::{Extent, METHODS};
 use std::path::Path;
 
 /// The files that [`write`] makes.
