@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
-/// What went wrong, with the name, file, key or pixel that is to be mended.
+/// What went wrong, with the name, value, file or pixel that is to be mended.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A number outside the range in which the physics is defined.
     #[error("{name} = {value}: must be {allowed}")]
     OutOfRange {
-        /// The quantity, by its name in the scene file or on the command line.
+        /// The quantity's name.
         name: String,
         /// The value given.
         value: f64,
@@ -87,18 +87,11 @@ pub enum Error {
         /// The phase function's family, in words.
         phase: String,
     },
-    /// Something that is made for the Gaussian phase function alone.
-    #[error("{what} is made for the Gaussian phase function, not for {phase}")]
-    OnlyGaussian {
-        /// What is.
-        what: &'static str,
-        /// The family, in words, of the phase function that it was given.
-        phase: String,
-    },
+    /// A model that cannot render a shifted observation was asked to.
+    #[error("model traced does not register a shifted observation; use a model with kernels, such as wide-angle")]
+    NotShifted,
     /// A model that has no kernel was asked for one.
-    #[error(
-        "model traced has no kernel, its paths are traced scene by scene; use it with narrowbeam fit or render"
-    )]
+    #[error("model traced has no kernel: its paths are traced scene by scene")]
     NoKernel,
     /// A name that is none of those known.
     #[error("unknown {what} {name}; known are {known}")]
@@ -110,22 +103,24 @@ pub enum Error {
         /// The names that would have served.
         known: String,
     },
-    /// An option that the interface names and the program does not yet have.
+    /// A combination that the library does not have.
     #[error("{0} is not built yet")]
     NotBuilt(String),
-    /// Options that contradict each other.
-    #[error("{0}")]
-    Usage(String),
+    /// Bytes that are no table of a kernel.
+    #[error("no table: {0}")]
+    BadTable(String),
     /// Input that is well formed but holds nothing that a fit could use.
     #[error("nothing to fit: {0}")]
     NothingToFit(String),
-    /// A machine without the graphics adapter that was asked for.
+    /// A machine without a graphics adapter.
+    #[cfg(feature = "gpu")]
     #[error(
-        "--backend gpu: this machine has no graphics adapter with Vulkan, Metal or Direct3D 12; install its driver (a \
-         software one is Mesa's: package mesa-vulkan-drivers), or use --backend cpu"
+        "this machine has no graphics adapter with Vulkan, Metal or Direct3D 12; install its driver (a software one is \
+         Mesa's: package mesa-vulkan-drivers)"
     )]
     NoAdapter,
     /// A graphics adapter that failed, or cannot do what is asked.
+    #[cfg(feature = "gpu")]
     #[error("{0}")]
     Gpu(String),
     /// A computation that produced a number that is not finite.
@@ -157,7 +152,9 @@ impl Error {
     pub fn is_usage(&self) -> bool {
         match self {
             Error::Write { source, .. } => source.kind() != std::io::ErrorKind::StorageFull,
-            Error::NotFinite(_) | Error::Gpu(_) => false,
+            #[cfg(feature = "gpu")]
+            Error::Gpu(_) => false,
+            Error::NotFinite(_) => false,
             _ => true,
         }
     }

@@ -86,34 +86,33 @@
 //! | [`fit`] | estimates, their errors, the report |
 //! | [`gpu`] | graphics adapters; knows nothing of light |
 //! | [`trace`] | photon tracer: the independent witness, uses neither `spread` nor `filter` nor `fit` |
-//! | [`compare`], [`paper`] | a kernel against traced light; the paper's experiments |
-//! | [`table`] | makes the table of the kernel [`spread::wide_angle`] by tracing |
-//! | [`scene`], [`io`], [`plots`], [`cli`] | scene files; EXR and PNG; pictures; the command line |
+//! | [`scene`], [`io`] | scene files; EXR and PNG |
 //! | [`error`](mod@error) | every refusal, naming the culprit |
 
 mod chebyshev;
+#[cfg(feature = "cli")]
 pub mod cli;
-pub mod compare;
 pub mod error;
 pub mod filter;
 pub mod fit;
 pub mod forward;
 pub mod geometry;
+#[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod illumination;
 pub mod image;
 pub mod io;
+#[cfg(feature = "lab")]
+pub mod lab;
 pub mod medium;
-pub mod paper;
 pub mod phase;
+#[cfg(feature = "plots")]
 pub mod plots;
 mod quadrature;
 pub mod relief;
 pub mod scene;
 pub mod spread;
-pub mod study;
 pub mod synthesis;
-pub mod table;
 pub mod trace;
 
 pub use error::{Error, Result};

@@ -4,9 +4,9 @@
 #[path = "common/program.rs"]
 mod program;
 
-use narrowbeam::compare::RmsError;
+use narrowbeam::lab::compare::RmsError;
+use narrowbeam::lab::paper::{Effort, Experiment, figure_5, figure_8};
 use narrowbeam::medium::Medium;
-use narrowbeam::paper::{Effort, Experiment, figure_5, figure_8};
 use narrowbeam::trace::Estimate;
 use program::{refuses, succeeds};
 use std::fs;

@@ -6,10 +6,10 @@ use narrowbeam::fit::forecast::{Plan, forecast};
 use narrowbeam::fit::noise::with_noise;
 use narrowbeam::geometry::{Field, Geometry};
 use narrowbeam::image::{Border, Image};
+use narrowbeam::lab::study::{Setting, Texture};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::b_of_spread_angle;
 use narrowbeam::scene::Scene;
-use narrowbeam::study::{Setting, Texture};
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 

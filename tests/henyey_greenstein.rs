@@ -11,10 +11,10 @@ use narrowbeam::fit::scenes::{SceneFit, fit_scenes};
 use narrowbeam::fit::{Settings, profile};
 use narrowbeam::geometry::Geometry;
 use narrowbeam::image::{Border, Image, View};
+use narrowbeam::lab::study::{Setting, Texture};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Family, PhaseFunction};
 use narrowbeam::spread::Model;
-use narrowbeam::study::{Setting, Texture};
 
 const HG: Family = Family::HenyeyGreenstein;
 

@@ -6,11 +6,11 @@ use narrowbeam::fit::noise::with_noise;
 use narrowbeam::fit::scenes::{SceneFit, fit_scenes};
 use narrowbeam::fit::{NAMES, Parameters, Settings, Status};
 use narrowbeam::image::{Border, Image};
+use narrowbeam::lab::study::{Setting, Texture};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Gaussian, PhaseFunction};
 use narrowbeam::scene::{Gain, Noise, Scene};
 use narrowbeam::spread::Model;
-use narrowbeam::study::{Setting, Texture};
 use serde_json::Value;
 use std::sync::LazyLock;
 

@@ -5,11 +5,11 @@ use narrowbeam::fit::forecast::{Plan, forecast};
 use narrowbeam::fit::noise::with_noise;
 use narrowbeam::fit::scenes::{SceneFit, fit_scenes};
 use narrowbeam::fit::{Intervals, NAMES, Parameters, Settings, Status, bootstrap, profile};
+use narrowbeam::lab::study::calibration::{Told, cases};
+use narrowbeam::lab::study::{Setting, Texture};
 use narrowbeam::medium::Medium;
 use narrowbeam::scene::Scene;
 use narrowbeam::spread::Model;
-use narrowbeam::study::calibration::{Told, cases};
-use narrowbeam::study::{Setting, Texture};
 use std::sync::LazyLock;
 
 static PLANE: LazyLock<Setting> = LazyLock::new(|| Setting {

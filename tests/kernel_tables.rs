@@ -5,7 +5,7 @@
 //! A reference number is known to half a unit of its last digit, and to the Monte-Carlo noise of its photons; ours to
 //! the noise of ours. Nothing else is granted.
 
-use narrowbeam::compare::worst_encircled_error;
+use narrowbeam::lab::compare::worst_encircled_error;
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Gaussian, b_of_spread_angle};
 use narrowbeam::spread::{Model, SecondMoments, second_moments};

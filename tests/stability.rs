@@ -3,11 +3,11 @@
 #[path = "common/program.rs"]
 mod program;
 
+use narrowbeam::lab::study::stability::{Found, Method, Outcome, Tally, Trial, Verdict};
+use narrowbeam::lab::study::{Setting, Texture};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::b_of_spread_angle;
 use narrowbeam::spread::Model;
-use narrowbeam::study::stability::{Found, Method, Outcome, Tally, Trial, Verdict};
-use narrowbeam::study::{Setting, Texture};
 
 /// What was found of a parameter that is `error` off.
 fn found(error: f64, std_error: f64, model_error: f64) -> Outcome {

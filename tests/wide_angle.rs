@@ -1,7 +1,7 @@
 //! The model `wide-angle` against fresh tracing, of other seeds and other media than the table's, and its derivatives.
 
 use libm::j1;
-use narrowbeam::compare::worst_encircled_error;
+use narrowbeam::lab::compare::worst_encircled_error;
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Family, Phase, PhaseFunction, b_of_spread_angle};
 use narrowbeam::spread::wide_angle::layout::Layout;

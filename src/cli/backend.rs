@@ -1,34 +1,17 @@
 //! `--backend`: where to compute, and why there.
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::filter::Backend;
 use crate::gpu::{Gpu, adapters};
 use crate::scene::Scene;
-use std::str::FromStr;
+use clap::ValueEnum;
 
 /// What the user asks for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum Wanted {
-    /// A graphics adapter if it pays off.
     Auto,
     Cpu,
-    /// A graphics adapter, be it a software one.
     Gpu,
-}
-
-impl FromStr for Wanted {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self> {
-        match name {
-            "auto" => Ok(Wanted::Auto),
-            "cpu" => Ok(Wanted::Cpu),
-            "gpu" => Ok(Wanted::Gpu),
-            _ => {
-                Err(Error::UnknownName { what: "backend", name: name.into(), known: "auto, cpu, gpu".into() })
-            }
-        }
-    }
 }
 
 /// What a command computes with.

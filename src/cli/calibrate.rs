@@ -3,7 +3,7 @@
 use super::progress::Progress;
 use super::{aligned, say};
 use crate::io::atomic;
-use crate::study::calibration::cases;
+use crate::lab::study::calibration::cases;
 use anyhow::Result;
 use std::path::PathBuf;
 use std::process::ExitCode;

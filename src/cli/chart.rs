@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::filter::Backend;
 use crate::gpu::Gpu;
 use crate::io::atomic;
-use crate::study::chart::{Charted, Dataset, Effort, Step, read_trajectory};
+use crate::lab::study::chart::{Charted, Dataset, Effort, Step, read_trajectory};
 use anyhow::Result;
 use points::Clock;
 use std::path::{Path, PathBuf};

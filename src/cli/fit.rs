@@ -1,10 +1,11 @@
 //! `narrowbeam fit`: from observed scenes to a medium.
 
 use super::backend::Chosen;
-use super::options::{RenderOptions, TracingOptions, WantedModel, positive, provenance};
+use super::errors::Usage;
+use super::names::WantedModel;
+use super::options::{RenderOptions, TracingOptions, positive, provenance};
 use super::progress::Progress;
 use super::{UNDETERMINED, aligned, say};
-use crate::error::Error;
 use crate::fit::ladder::climb;
 use crate::fit::scenes::{SceneFit, check_scenes, fit_scenes};
 use crate::fit::{Method, Settings, bootstrap, profile};
@@ -30,8 +31,8 @@ pub(super) struct Arguments {
     /// Relative error of a parameter up to which --model auto is content with a cheaper model
     #[arg(long, default_value_t = 0.01, value_name = "X", value_parser = positive)]
     tolerance: f64,
-    /// Optimiser: levenberg-marquardt or nelder-mead
-    #[arg(long, default_value = "levenberg-marquardt")]
+    /// Optimiser
+    #[arg(long, value_enum, value_name = "NAME", default_value = "levenberg-marquardt")]
     solver: Method,
     /// Iterations after which a fit is given up
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..))]
@@ -56,12 +57,13 @@ const TYPICAL_RENDERS: u64 = 40;
 const CONFIRMING_RENDERS: u64 = 3;
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
+    arguments.tracing.check(&arguments.rendering)?;
     check_intervals(arguments)?;
     let scenes =
         arguments.scenes.iter().map(|path| ObservedScene::read(path)).collect::<crate::Result<Vec<_>>>()?;
     let of = scenes.iter().map(|observed| &observed.scene);
     let chosen = Chosen::new(arguments.rendering.backend, of, [CONFIRMING_RENDERS, TYPICAL_RENDERS])?;
-    check_scenes(&scenes, &settings_of(arguments, &chosen, &|| ())?)?;
+    check_scenes(&scenes, &settings_of(arguments, &chosen))?;
     atomic::create_dir(&arguments.out)?;
     for i in 0..scenes.len() {
         for (name, kind) in OUTPUTS {
@@ -80,11 +82,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
 }
 
 /// Refuses intervals that would not hold the noise of traced paths.
-fn check_intervals(arguments: &Arguments) -> crate::Result<()> {
+fn check_intervals(arguments: &Arguments) -> Result<(), Usage> {
     let wanted = arguments.profile || arguments.bootstrap > 0;
     if wanted && arguments.rendering.model == WantedModel::This(Model::Traced) {
         let why = "--profile and --bootstrap do not hold the noise of the paths of --model traced; its model_error does";
-        return Err(Error::Usage(why.into()));
+        return Err(Usage(why.into()));
     }
     Ok(())
 }
@@ -93,21 +95,21 @@ fn settings_of<'a>(
     arguments: &Arguments,
     chosen: &'a Chosen,
     progress: &'a (dyn Fn() + Sync),
-) -> crate::Result<Settings<'a>> {
+) -> Settings<'a> {
     let model = match arguments.rendering.model {
         WantedModel::This(model) => model,
         // What any input must at least be good for.
         WantedModel::Auto => Model::SmallAngle,
     };
-    Ok(Settings {
+    Settings {
         model,
         backend: chosen.backend(),
         method: arguments.solver,
         max_iterations: arguments.max_iterations,
         sums: arguments.solver == Method::LevenbergMarquardt,
-        tracing: arguments.tracing.read(&arguments.rendering)?,
+        tracing: arguments.tracing.tracing(),
         progress,
-    })
+    }
 }
 
 fn estimate(arguments: &Arguments, scenes: &[ObservedScene], chosen: &Chosen) -> crate::Result<SceneFit> {
@@ -117,7 +119,7 @@ fn estimate(arguments: &Arguments, scenes: &[ObservedScene], chosen: &Chosen) ->
         _ => Progress::new("fitting", "renders", renders),
     };
     let tick = || progress.add(1);
-    let (settings, filter) = (settings_of(arguments, chosen, &tick)?, arguments.rendering.filter);
+    let (settings, filter) = (settings_of(arguments, chosen, &tick), arguments.rendering.filter);
     match arguments.rendering.model {
         WantedModel::This(_) => fit_scenes(scenes, &settings, filter),
         WantedModel::Auto => climb(scenes, &settings, filter, arguments.tolerance),
@@ -136,7 +138,7 @@ fn add_intervals(
         let progress = Progress::uncounted("profile likelihood");
         fit.add_intervals("profile95", scenes, filter, |data, channel, options| {
             let tick = || progress.add(1);
-            let settings = settings_of(arguments, chosen, &tick)?;
+            let settings = settings_of(arguments, chosen, &tick);
             profile(data, channel, options, &Settings { model: channel.model, ..settings })
         })?;
     }
@@ -145,7 +147,7 @@ fn add_intervals(
         let progress = Progress::new("bootstrap", "fits", refits);
         let draws = (arguments.bootstrap, arguments.tracing.seed);
         fit.add_intervals("bootstrap95", scenes, filter, |data, channel, options| {
-            let settings = Settings { model: channel.model, ..settings_of(arguments, chosen, &|| ())? };
+            let settings = Settings { model: channel.model, ..settings_of(arguments, chosen, &|| ()) };
             bootstrap(data, channel, options, &settings, draws, &|| progress.add(1))
         })?;
     }
@@ -161,7 +163,7 @@ fn add_advice(
 ) -> crate::Result<()> {
     let progress = Progress::uncounted("reckoning what would determine more");
     let tick = || progress.add(1);
-    fit.add_advice(scenes, &settings_of(arguments, chosen, &tick)?, arguments.rendering.filter)
+    fit.add_advice(scenes, &settings_of(arguments, chosen, &tick), arguments.rendering.filter)
 }
 
 /// The table for people goes to stdout, or to stderr if stdout is for the JSON.

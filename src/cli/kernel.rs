@@ -5,10 +5,11 @@ mod curves;
 mod summary;
 mod tables;
 
+use super::errors::Usage;
 use super::options::{non_negative, positive};
 use super::progress::Progress;
 use super::say;
-use crate::error::{Error, Result, in_range};
+use crate::error::{Result, in_range};
 use crate::io::atomic;
 use crate::medium::Medium;
 use crate::phase::{Family, Phase, PhaseFunction, b_of_spread_angle};
@@ -32,7 +33,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "Z", allow_negative_numbers = true, value_parser = positive)]
     depth: f64,
     /// Model to tabulate, may be given several times; all that have a kernel if absent
-    #[arg(long = "model", value_name = "NAME")]
+    #[arg(long = "model", value_enum, value_name = "NAME")]
     models: Vec<Model>,
     /// Photons to trace for comparison
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
@@ -62,12 +63,12 @@ struct Width {
 
 impl Width {
     /// The phase function; the command line demands exactly one of the three.
-    fn phase(&self) -> Result<Phase> {
+    fn phase(&self) -> anyhow::Result<Phase> {
         let degrees = || self.spread_angle_deg.unwrap_or_default();
         let b = || self.b.unwrap_or_else(|| b_of_spread_angle(degrees().to_radians()));
         match self.g {
-            Some(g) => Family::HenyeyGreenstein.phase(g).map_err(|e| Error::Usage(format!("--{e}"))),
-            None => Family::Gaussian.phase(b()),
+            Some(g) => Family::HenyeyGreenstein.phase(g).map_err(|e| Usage(format!("--{e}")).into()),
+            None => Ok(Family::Gaussian.phase(b())?),
         }
     }
 }

@@ -3,9 +3,11 @@
 mod backend;
 mod calibrate;
 mod chart;
+mod errors;
 mod fit;
 mod forecast;
 mod kernel;
+mod names;
 mod options;
 pub mod progress;
 mod render;
@@ -20,8 +22,6 @@ use clap::{Parser, Subcommand};
 use std::io::Write;
 use std::process::ExitCode;
 
-/// Bad usage or input.
-const USAGE: u8 = 2;
 /// A fit that did not converge, or that left a free parameter undetermined.
 const UNDETERMINED: u8 = 3;
 
@@ -94,15 +94,5 @@ pub fn main() -> ExitCode {
         Command::Chart(arguments) => chart::run(&arguments),
         Command::Table(arguments) => table::run(&arguments),
     };
-    done.unwrap_or_else(|error| {
-        eprintln!("narrowbeam: {error}");
-        match error.downcast_ref::<Error>() {
-            Some(ours) if ours.is_usage() => ExitCode::from(USAGE),
-            Some(Error::Write { .. }) => {
-                eprintln!("free some space, or write elsewhere, and run the same command again");
-                ExitCode::FAILURE
-            }
-            _ => ExitCode::FAILURE,
-        }
-    })
+    done.unwrap_or_else(|error| errors::report(&error))
 }

@@ -1,7 +1,8 @@
 //! Options that several commands share.
 
 use super::backend::Wanted;
-use crate::error::{Error, Result};
+use super::errors::Usage;
+use super::names::WantedModel;
 use crate::filter::Filter;
 use crate::fit::{MOST_PATHS, PathLengths, Tracing};
 use crate::medium::Medium;
@@ -11,7 +12,6 @@ use crate::scene::PartialMedium;
 use crate::spread::{Model, SMALL_ANGLE_LIMIT};
 use clap::Args;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
 /// The medium on the command line, in place of the scene's `[medium]`.
 #[derive(Debug, Args)]
@@ -45,15 +45,15 @@ impl MediumOptions {
 /// How a scene is rendered.
 #[derive(Debug, Args)]
 pub(super) struct RenderOptions {
-    /// Spread model: beer-lambert, single-scatter, gaussian, narrow-beam-printed, narrow-beam, small-angle, wide-angle,
-    /// traced (fit and render: paths traced for the scene, slow, right in every medium), or auto: no more than the scene needs
-    #[arg(long, default_value = "auto")]
+    /// Spread model; auto: no more than the scene needs; traced (fit and render): paths traced for the scene, slow, right in
+    /// every medium
+    #[arg(long, value_enum, default_value = "auto", value_name = "NAME")]
     pub model: WantedModel,
-    /// Filter for depth maps: eq29, composite, or auto: composite where the depth map has edges or slopes
-    #[arg(long, default_value = "auto")]
+    /// Filter for depth maps; auto: composite where the depth map has edges or slopes
+    #[arg(long, value_enum, default_value = "auto", value_name = "NAME")]
     pub filter: Filter,
-    /// Where to compute: cpu, gpu (a graphics adapter, even if it is a software one), or auto: a real one if it pays off
-    #[arg(long, default_value = "auto")]
+    /// Where to compute; gpu: a graphics adapter, even if it is a software one; auto: a real one if it pays off
+    #[arg(long, value_enum, default_value = "auto", value_name = "NAME")]
     pub backend: Wanted,
 }
 
@@ -71,12 +71,14 @@ pub(super) struct TracingOptions {
 
 impl TracingOptions {
     /// Paths and seed.
-    ///
-    /// # Errors
-    /// [`Error::Usage`] if they and the options of `rendering` contradict each other.
-    pub(super) fn read(&self, rendering: &RenderOptions) -> Result<Tracing> {
+    pub(super) fn tracing(&self) -> Tracing {
+        Tracing::new(self.paths, self.seed)
+    }
+
+    /// Refuses what contradicts the options of `rendering`.
+    pub(super) fn check(&self, rendering: &RenderOptions) -> Result<(), Usage> {
         let traced = rendering.model == WantedModel::This(Model::Traced);
-        let refuse = |why: &str| Err(Error::Usage(why.into()));
+        let refuse = |why: &str| Err(Usage(why.into()));
         if traced && rendering.filter == Filter::Eq29 {
             return refuse(
                 "--model traced sees the edges and slopes of the object; --filter eq29 knows none",
@@ -85,42 +87,23 @@ impl TracingOptions {
         if !traced && self.paths.is_some() {
             return refuse("--paths goes with --model traced");
         }
-        Ok(Tracing::new(self.paths, self.seed))
+        Ok(())
     }
 }
 
 /// A finite number above 0.
-pub(super) fn positive(text: &str) -> std::result::Result<f64, String> {
+pub(super) fn positive(text: &str) -> Result<f64, String> {
     number(text, |v| v > 0.0, "must be finite and above 0")
 }
 
 /// A finite number of at least 0.
-pub(super) fn non_negative(text: &str) -> std::result::Result<f64, String> {
+pub(super) fn non_negative(text: &str) -> Result<f64, String> {
     number(text, |v| v >= 0.0, "must be finite and at least 0")
 }
 
-fn number(text: &str, ok: impl Fn(f64) -> bool, allowed: &str) -> std::result::Result<f64, String> {
+fn number(text: &str, ok: impl Fn(f64) -> bool, allowed: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| "is no number".to_string())?;
     if value.is_finite() && ok(value) { Ok(value) } else { Err(allowed.into()) }
-}
-
-/// A model, or the program's choice.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum WantedModel {
-    Auto,
-    This(Model),
-}
-
-impl FromStr for WantedModel {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self> {
-        match name {
-            "auto" => Ok(WantedModel::Auto),
-            "traced" => Ok(WantedModel::This(Model::Traced)),
-            _ => name.parse().map(WantedModel::This),
-        }
-    }
 }
 
 impl WantedModel {
@@ -149,7 +132,7 @@ pub(super) fn validity(medium: &Medium, z: f64) -> f64 {
 }
 
 /// A path to an EXR image or a PNG picture.
-pub(super) fn exr_or_png(path: PathBuf) -> std::result::Result<PathBuf, &'static str> {
+pub(super) fn exr_or_png(path: PathBuf) -> Result<PathBuf, &'static str> {
     if has_extension(&path, "exr") || has_extension(&path, "png") {
         Ok(path)
     } else {

@@ -1,11 +1,11 @@
 //! `narrowbeam render`: a scene through its medium by a spread model.
 
 use super::backend::Chosen;
+use super::errors::Usage;
 use super::options::{
     MediumOptions, RenderOptions, TracingOptions, exr_or_png, has_extension, provenance, record_of,
 };
 use super::progress::Progress;
-use crate::error::Error;
 use crate::filter::{CUT, Filter, Optics, Target, hidden_share};
 use crate::fit::{path_lengths, render_traced};
 use crate::image::Channel;
@@ -39,7 +39,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
-    let tracing = arguments.tracing.read(&arguments.rendering)?;
+    arguments.tracing.check(&arguments.rendering)?;
     let scene = Scene::read(&arguments.scene)?;
     let media = scene.media(arguments.medium.values())?;
     check_outputs(arguments)?;
@@ -61,7 +61,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
             relief: relief.as_ref(),
         };
         let image = if model == Model::Traced {
-            render_traced(target, &optics, tracing)?
+            render_traced(target, &optics, arguments.tracing.tracing())?
         } else {
             let filter = backend.prepare(target, &optics, 1.0)?;
             cut |= filter.coverage(&optics)?.cut;
@@ -95,7 +95,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
 fn check_outputs(arguments: &Arguments) -> Result<()> {
     atomic::check_writable(&arguments.output)?;
     if let Some(path) = &arguments.hidden_share {
-        let refuse = |why| Err(Error::Usage(format!("--hidden-share {}: {why}", path.display())));
+        let refuse = |why| Err(Usage(format!("--hidden-share {}: {why}", path.display())));
         if arguments.rendering.filter == Filter::Eq29 {
             refuse(
                 "--filter eq29 lets light pass through near surfaces, so it knows of nothing hidden; use composite or auto",

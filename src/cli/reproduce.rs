@@ -10,7 +10,7 @@ use super::progress::Progress;
 use super::say;
 use crate::error::Result;
 use crate::io::atomic;
-use crate::paper::{self, Effort, Experiment, Rings};
+use crate::lab::paper::{self, Effort, Experiment, Rings};
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

@@ -1,11 +1,12 @@
 //! `narrowbeam synthesize`: all the light of a scene, the illumination's included.
 
 use super::backend::Chosen;
+use super::errors::Usage;
+use super::names::WantedModel;
 use super::options::{
-    MediumOptions, RenderOptions, WantedModel, exr_or_png, has_extension, provenance, record_of, validity,
+    MediumOptions, RenderOptions, exr_or_png, has_extension, provenance, record_of, validity,
 };
 use super::progress::Progress;
-use crate::error::Error;
 use crate::filter::CUT;
 use crate::geometry::median;
 use crate::image::Channel;
@@ -43,7 +44,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     atomic::check_writable(&arguments.output)?;
     if let Some(path) = &arguments.parts {
         if *path == arguments.output {
-            Err(Error::Usage(format!("--parts {}: is --output too", path.display())))?;
+            Err(Usage(format!("--parts {}: is --output too", path.display())))?;
         }
         atomic::check_writable(path)?;
     }

@@ -8,10 +8,10 @@ use super::progress::Progress;
 use super::say;
 use crate::error::{Error, Result};
 use crate::io::atomic;
+use crate::lab::table::node;
 use crate::phase::Family;
 use crate::spread::wide_angle::layout::Layout;
 use crate::spread::wide_angle::table::Table;
-use crate::table::node;
 use rayon::prelude::*;
 use std::fs;
 use std::io::Write;
@@ -23,8 +23,8 @@ const AT_ONCE: usize = 16;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
-    /// Phase function: gaussian, or hg (Henyey-Greenstein)
-    #[arg(long, value_name = "NAME", default_value = "gaussian")]
+    /// Phase function; hg: Henyey and Greenstein's
+    #[arg(long, value_enum, value_name = "NAME", default_value = "gaussian")]
     phase: Family,
     /// Paths traced for each node; fewer where little light is scattered twice, up to eight times as many where absorption takes
     /// most of them

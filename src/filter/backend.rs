@@ -1,11 +1,13 @@
 //! Where the filter runs.
 
 use super::cpu::{CpuFilter, Rendering};
+#[cfg(feature = "gpu")]
 use super::gpu::GpuFilter;
 use super::plan::{Coverage, Plan};
 use super::sources::Sheet;
 use super::{Optics, Target};
 use crate::error::Result;
+#[cfg(feature = "gpu")]
 use crate::gpu::Gpu;
 use crate::image::Image;
 use crate::relief::Relief;
@@ -17,7 +19,12 @@ pub enum Backend<'a> {
     #[default]
     Cpu,
     /// A graphics adapter.
+    #[cfg(feature = "gpu")]
     Gpu(&'a Gpu),
+    /// Cannot be made: holds the lifetime where there is no device to hold it.
+    #[cfg(not(feature = "gpu"))]
+    #[doc(hidden)]
+    Never(std::convert::Infallible, std::marker::PhantomData<&'a ()>),
 }
 
 /// A target prepared for many renders.
@@ -25,6 +32,7 @@ pub enum Prepared<'a> {
     /// On the CPU.
     Cpu(Box<CpuFilter<'a>>),
     /// On a graphics adapter.
+    #[cfg(feature = "gpu")]
     Gpu(Box<GpuFilter<'a>>),
 }
 
@@ -33,6 +41,7 @@ impl<'a> Backend<'a> {
     pub fn name(self) -> &'static str {
         match self {
             Backend::Cpu => "cpu",
+            #[cfg(feature = "gpu")]
             Backend::Gpu(_) => "gpu",
         }
     }
@@ -41,6 +50,7 @@ impl<'a> Backend<'a> {
     pub fn adapter(self) -> Option<String> {
         match self {
             Backend::Cpu => None,
+            #[cfg(feature = "gpu")]
             Backend::Gpu(gpu) => Some(gpu.adapter().to_string()),
         }
     }
@@ -75,6 +85,7 @@ impl<'a> Backend<'a> {
     fn of(self, plan: (Plan<'a>, Vec<Sheet>)) -> Result<Prepared<'a>> {
         Ok(match self {
             Backend::Cpu => Prepared::Cpu(Box::new(CpuFilter::of(plan))),
+            #[cfg(feature = "gpu")]
             Backend::Gpu(gpu) => Prepared::Gpu(Box::new(GpuFilter::of(gpu, plan)?)),
         })
     }
@@ -88,6 +99,7 @@ impl Prepared<'_> {
     pub fn coverage(&self, optics: &Optics) -> Result<Coverage> {
         match self {
             Prepared::Cpu(filter) => filter.coverage(optics),
+            #[cfg(feature = "gpu")]
             Prepared::Gpu(filter) => filter.coverage(optics),
         }
     }
@@ -97,6 +109,7 @@ impl Prepared<'_> {
     pub fn transforms(&self) -> (usize, usize, [usize; 2]) {
         match self {
             Prepared::Cpu(filter) => filter.transforms(),
+            #[cfg(feature = "gpu")]
             Prepared::Gpu(filter) => filter.transforms(),
         }
     }
@@ -108,6 +121,7 @@ impl Prepared<'_> {
     pub fn render(&self, optics: &Optics) -> Result<Image> {
         match self {
             Prepared::Cpu(filter) => filter.render(optics),
+            #[cfg(feature = "gpu")]
             Prepared::Gpu(filter) => filter.render(optics),
         }
     }
@@ -129,6 +143,7 @@ impl Prepared<'_> {
     pub fn render_with_gradient(&self, optics: &Optics) -> Result<Rendering> {
         match self {
             Prepared::Cpu(filter) => filter.render_with_gradient(optics),
+            #[cfg(feature = "gpu")]
             Prepared::Gpu(filter) => filter.render_with_gradient(optics),
         }
     }

@@ -21,7 +21,6 @@ pub(super) struct Canvas {
     pub fft: Fft2<f32>,
     /// What the transfer functions need along each axis.
     pub axes: [Axis; 2],
-    pub border: Border,
     pub padded: [Padded; 2],
     pub object: [usize; 2],
     /// For each column and row of the canvas what it shows of the object image, and the factor of slopes there.
@@ -54,7 +53,7 @@ impl Canvas {
             };
             (0..size).map(shows).collect()
         });
-        Self { fft, axes, border, padded, object, shown }
+        Self { fft, axes, padded, object, shown }
     }
 
     pub(super) fn pixels(&self) -> usize {

@@ -26,6 +26,7 @@ pub mod cpu;
 pub mod direct_sum;
 mod fft2;
 pub mod footprint;
+#[cfg(feature = "gpu")]
 pub mod gpu;
 mod hidden;
 pub mod ladder;
@@ -45,13 +46,12 @@ pub use stub::{coarse_shift, shifted};
 pub use hidden::hidden_share;
 pub use plan::{CUT, Coverage};
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::Geometry;
 use crate::image::{Border, Image, View};
 use crate::medium::Medium;
 use crate::relief::Relief;
 use crate::spread::{Model, SpreadKernel};
-use std::str::FromStr;
 
 /// What is filtered: one channel of the clear object, where it is, and the part of it that is observed.
 #[derive(Debug, Clone, Copy)]
@@ -101,10 +101,10 @@ pub enum Filter {
 }
 
 impl Filter {
-    /// All filters, in the order of the command line's help.
+    /// All filters.
     pub const ALL: [Filter; 3] = [Filter::Auto, Filter::Eq29, Filter::Composite];
 
-    /// Name on the command line.
+    /// Name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Filter::Auto => "auto",
@@ -125,18 +125,5 @@ impl Filter {
     /// The filter that renders a target with or without a relief.
     pub fn of(relief: Option<&Relief>) -> Self {
         if relief.is_some() { Filter::Composite } else { Filter::Eq29 }
-    }
-}
-
-impl FromStr for Filter {
-    type Err = Error;
-
-    /// Parses a filter's name.
-    fn from_str(name: &str) -> Result<Self> {
-        Filter::ALL.into_iter().find(|f| f.name() == name).ok_or_else(|| Error::UnknownName {
-            what: "filter",
-            name: name.into(),
-            known: Filter::ALL.map(Filter::name).join(", "),
-        })
     }
 }

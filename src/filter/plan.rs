@@ -122,6 +122,7 @@ impl<'a> Plan<'a> {
     }
 
     /// Path length of the farthest slice, length.
+    #[cfg(feature = "gpu")]
     pub(super) fn farthest(&self) -> f64 {
         let lengths = self.all_slices().flat_map(|s| &s.nodes).map(|node| node.z);
         lengths.fold(0.0, f64::max).max(f64::MIN_POSITIVE)

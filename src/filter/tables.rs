@@ -60,6 +60,7 @@ impl AliasTable {
     }
 
     /// The values at the nodes, [node of wx][node of wy].
+    #[cfg(feature = "gpu")]
     pub fn values(&self) -> &[[Lanes; NODES]; NODES] {
         &self.values
     }
@@ -123,11 +124,13 @@ impl RadialTable {
     }
 
     /// Entries per rad/px.
+    #[cfg(feature = "gpu")]
     pub fn per_w(&self) -> f64 {
         self.per_w
     }
 
     /// The entries, the first of which lies one step before 0.
+    #[cfg(feature = "gpu")]
     pub fn values(&self) -> &[Lanes] {
         &self.values
     }

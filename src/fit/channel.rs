@@ -5,7 +5,6 @@ use super::inference::{ChannelFit, LACKING, infer};
 use super::observation::{Aligned, Observation, Observed};
 use super::optimise::{Begun, Driver, From, OTHER_WIDTHS, SceneModels, Task};
 use crate::error::Result;
-use crate::forward::Quantity;
 use crate::relief::Relief;
 use crate::scene::FitOptions;
 

@@ -63,7 +63,7 @@ impl Adapter {
         });
         match pollster::block_on(request) {
             Ok((device, queue)) => Ok(Gpu::new(self, device, queue)),
-            Err(e) => Err(Error::Gpu(format!("{}: cannot be opened: {e}; use --backend cpu", self.name))),
+            Err(e) => Err(Error::Gpu(format!("{}: cannot be opened: {e}", self.name))),
         }
     }
 }

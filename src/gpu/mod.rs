@@ -71,7 +71,7 @@ impl Gpu {
             return Ok(());
         }
         Err(Error::Gpu(format!(
-            "{what} takes {} MiB, and {} binds {} MiB at most; use --backend cpu, or fewer pixels",
+            "{what} takes {} MiB, and {} binds {} MiB at most; use fewer pixels",
             bytes.div_ceil(1 << 20),
             self.adapter.name,
             most >> 20
@@ -170,7 +170,7 @@ impl Gpu {
     }
 
     fn error(&self, report: &str) -> Error {
-        Error::Gpu(format!("{}: {report}; try again, or use --backend cpu", self.adapter.name))
+        Error::Gpu(format!("{}: {report}; try again", self.adapter.name))
     }
 }
 

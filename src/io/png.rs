@@ -6,8 +6,7 @@ use super::atomic;
 use super::colour::{Tone, diverging, residual_scale};
 use crate::error::{Error, Result};
 use crate::image::Channel;
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder, ImageResult};
+use png::{ColorType, Compression, Encoder, Filter};
 use std::io;
 use std::path::Path;
 
@@ -20,7 +19,7 @@ use std::path::Path;
 /// Unless there are one or three channels, all of one size.
 pub fn write_picture(path: &Path, channels: &[Channel], tone: Tone) -> Result<()> {
     assert!(matches!(channels.len(), 1 | 3), "one channel or three");
-    let colour = if channels.len() == 1 { ExtendedColorType::L8 } else { ExtendedColorType::Rgb8 };
+    let colour = if channels.len() == 1 { ColorType::Grayscale } else { ColorType::Rgb };
     let (first, pixels) = (&channels[0].image, channels[0].image.data.len());
     let levels = |i: usize| channels.iter().map(move |c| tone.level(f64::from(c.image.data[i])));
     let bytes: Vec<u8> = (0..pixels).flat_map(levels).collect();
@@ -41,7 +40,7 @@ pub fn write_residual(path: &Path, residual: &[Channel], scale: Option<f64>) -> 
     let scale = scale.unwrap_or_else(|| residual_scale(std::slice::from_ref(&mean)));
     let image = &mean.image;
     let bytes: Vec<u8> = image.data.iter().flat_map(|&v| diverging(f64::from(v) / scale)).collect();
-    write_bytes(path, &bytes, (image.width, image.height), ExtendedColorType::Rgb8)?;
+    write_bytes(path, &bytes, (image.width, image.height), ColorType::Rgb)?;
     Ok(scale)
 }
 
@@ -50,7 +49,7 @@ pub fn write_residual(path: &Path, residual: &[Channel], scale: Option<f64>) -> 
 /// # Errors
 /// [`Error::Write`] with the path.
 pub fn write_rgb(path: &Path, rgb: &[u8], size: (usize, usize)) -> Result<()> {
-    write_bytes(path, rgb, size, ExtendedColorType::Rgb8)
+    write_bytes(path, rgb, size, ColorType::Rgb)
 }
 
 /// The mean of all channels, pixel by pixel.
@@ -62,20 +61,25 @@ pub(crate) fn mean_of_channels(channels: &[Channel]) -> Channel {
     Channel { name: "mean".into(), image }
 }
 
-fn write_bytes(path: &Path, bytes: &[u8], size: (usize, usize), colour: ExtendedColorType) -> Result<()> {
-    let file = encode(bytes, size, colour)
-        .map_err(|e| Error::Write { path: path.to_path_buf(), source: io::Error::other(e) })?;
+fn write_bytes(path: &Path, bytes: &[u8], size: (usize, usize), colour: ColorType) -> Result<()> {
+    let file =
+        encode(bytes, size, colour).map_err(|source| Error::Write { path: path.to_path_buf(), source })?;
     atomic::write(path, &file)
 }
 
 /// The PNG file of an RGB buffer.
-pub(crate) fn encode_rgb(rgb: &[u8], size: (usize, usize)) -> ImageResult<Vec<u8>> {
-    encode(rgb, size, ExtendedColorType::Rgb8)
+#[cfg(feature = "plots")]
+pub(crate) fn encode_rgb(rgb: &[u8], size: (usize, usize)) -> io::Result<Vec<u8>> {
+    encode(rgb, size, ColorType::Rgb)
 }
 
-fn encode(bytes: &[u8], size: (usize, usize), colour: ExtendedColorType) -> ImageResult<Vec<u8>> {
+fn encode(bytes: &[u8], size: (usize, usize), colour: ColorType) -> io::Result<Vec<u8>> {
     let mut file = Vec::new();
-    PngEncoder::new(&mut file).write_image(bytes, size.0 as u32, size.1 as u32, colour)?;
+    let mut encoder = Encoder::new(&mut file, size.0 as u32, size.1 as u32);
+    encoder.set_color(colour);
+    encoder.set_compression(Compression::Fast);
+    encoder.set_filter(Filter::Adaptive);
+    encoder.write_header()?.write_image_data(bytes)?;
     Ok(file)
 }
 

@@ -94,7 +94,7 @@ pub(super) struct Inset {
 
 impl Inset {
     /// The element that shows it, its pixels as a PNG within.
-    fn element(&self) -> image::ImageResult<String> {
+    fn element(&self) -> io::Result<String> {
         let ((x, y), (width, height)) = (self.corner, self.size);
         let data = STANDARD.encode(png::encode_rgb(self.rgb.as_flattened(), self.size)?);
         Ok(format!(

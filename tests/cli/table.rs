@@ -1,9 +1,9 @@
 //! `table`: killed and gone on with, its seed, and the table that comes with the program.
 
+use narrowbeam::lab::table::node;
 use narrowbeam::phase::Family;
 use narrowbeam::spread::wide_angle::layout::Layout;
 use narrowbeam::spread::wide_angle::table::Table;
-use narrowbeam::table::node;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use tempfile::{TempDir, tempdir};

@@ -3,10 +3,10 @@
 use super::points::{Clock, Points};
 use crate::error::Result;
 use crate::filter::{Backend, Filter};
+use crate::lab::study::chart::{Charted, Way};
 use crate::phase::{Phase, PhaseFunction};
 use crate::plots::{Axis, ChartGrid, LineChart, Mark, Series, Shape, Sign};
 use crate::spread::Model;
-use crate::study::chart::{Charted, Way};
 use std::path::Path;
 
 /// The files that [`write`] makes.

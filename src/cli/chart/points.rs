@@ -1,6 +1,6 @@
 //! What is on a chart: time and error of every way that led to a result, and which of them no other beats.
 
-use crate::study::chart::{Charted, RenderTrial, Step, Timing, front};
+use crate::lab::study::chart::{Charted, RenderTrial, Step, Timing, front};
 use clap::ValueEnum;
 
 /// Which time is charted.

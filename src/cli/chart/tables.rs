@@ -4,7 +4,7 @@ use super::points::{Clock, Points};
 use crate::error::Result;
 use crate::fit::NAMES;
 use crate::io::atomic;
-use crate::study::chart::{Charted, FitTrial, RenderTrial, Timing, Way};
+use crate::lab::study::chart::{Charted, FitTrial, RenderTrial, Timing, Way};
 use std::path::Path;
 
 /// The files that [`write`] makes.

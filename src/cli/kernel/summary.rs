@@ -2,7 +2,7 @@
 
 use super::Setting;
 use crate::cli::options::validity;
-use crate::compare::{MEDIAN_RADII, worst_encircled_error};
+use crate::lab::compare::{MEDIAN_RADII, worst_encircled_error};
 use crate::phase::{Phase, PhaseFunction};
 use crate::spread::{
     Model, SMALL_ANGLE_LIMIT, SecondMoments, SpreadKernel, second_moments, small_angle_error,

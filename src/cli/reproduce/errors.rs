@@ -1,9 +1,9 @@
 //! Tables of the kernels' relative rms errors.
 
-use crate::compare::RmsError;
 use crate::error::Result;
 use crate::io::atomic;
-use crate::paper::Rings;
+use crate::lab::compare::RmsError;
+use crate::lab::paper::Rings;
 use crate::spread::Model;
 use std::fmt::Write;
 use std::path::Path;

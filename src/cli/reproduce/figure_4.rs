@@ -3,8 +3,8 @@
 use crate::error::Result;
 use crate::image::Image;
 use crate::io::atomic;
-use crate::paper::Rings;
-use crate::paper::figure_4::{DEEPEST, FARTHEST};
+use crate::lab::paper::Rings;
+use crate::lab::paper::figure_4::{DEEPEST, FARTHEST};
 use crate::plots::{Map, MapGrid, MapRow, Shade};
 use std::path::Path;
 

@@ -2,7 +2,7 @@
 
 use super::errors::{Row, rows, text, write_csv};
 use crate::error::Result;
-use crate::paper::Rings;
+use crate::lab::paper::Rings;
 use crate::plots::{Axis, ChartGrid, LineChart, Series};
 use std::path::Path;
 

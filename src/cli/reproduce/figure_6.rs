@@ -3,7 +3,7 @@
 use super::errors::{rows, text, write_csv};
 use crate::error::Result;
 use crate::io::atomic;
-use crate::paper::Rings;
+use crate::lab::paper::Rings;
 use crate::plots::{Axis, ChartGrid, LineChart, Series};
 use std::path::Path;
 

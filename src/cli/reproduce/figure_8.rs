@@ -6,7 +6,7 @@ use crate::geometry::Field;
 use crate::image::{Channel, Image};
 use crate::io::atomic;
 use crate::io::colour::Tone;
-use crate::paper::{Effort, figure_8};
+use crate::lab::paper::{Effort, figure_8};
 use crate::plots::{Figure, Panel, Shade};
 use std::path::Path;
 use std::time::Instant;

@@ -2,10 +2,10 @@
 
 use crate::error::Result;
 use crate::image::Image;
+use crate::lab::study::stability::{Trial, Verdict};
+use crate::lab::study::sweeps::{Extent, METHODS};
 use crate::phase::PhaseFunction;
 use crate::plots::{Axis, ChartGrid, LineChart, Map, MapGrid, MapRow, Series, Shade};
-use crate::study::stability::{Trial, Verdict};
-use crate::study::sweeps::{Extent, METHODS};
 use std::path::Path;
 
 /// The files that [`write`] makes.

@@ -23,13 +23,13 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    pub(super) fn new(canvas: &Padded, sheets: usize) -> Self {
+    pub(super) fn new(canvas: &Padded, border: Border, sheets: usize) -> Self {
         let [across, down] = canvas.padded;
         Self {
             size: [across.size as u32, down.size as u32],
             object: canvas.object.map(|n| n as u32),
             margin: [across.margin as u32, down.margin as u32],
-            border: match canvas.border {
+            border: match border {
                 Border::Zero => 0,
                 Border::Clamp => 1,
                 Border::Mirror => 2,

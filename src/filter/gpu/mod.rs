@@ -362,7 +362,7 @@ impl Resident {
             plan.obliquities.iter().flat_map(|(_, w)| w.unwrap_or(&[1.0]).to_vec()).collect();
         let pair = || gpu.empty::<[f32; 2]>("the padded image", pixels);
         Ok(Self {
-            layout: CanvasLayout::new(canvas, sheets.len()),
+            layout: CanvasLayout::new(canvas, plan.target.border, sheets.len()),
             sources: gpu.upload("the object image", &layout::sources(sheets, &plan.slices))?,
             opaque: gpu.upload("screens", &opaque)?,
             axes: gpu.upload("frequencies", &axes(canvas))?,

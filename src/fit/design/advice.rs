@@ -62,9 +62,11 @@ pub fn advise(
     }
     let engine = Settings { model: fit.model, ..*settings }.engine();
     let stands_in = engine.without_noise();
-    let known = |e: (&Observation, &PlannedExposure)| e.0.noise.or(Some(NoiseTerm::Level(e.1.noise)));
     let exposures = PlannedExposure::of(fit);
-    let measured = observations.iter().zip(&exposures).map(|(o, e)| Observation { noise: known((o, e)), ..*o });
+    let measured = observations.iter().zip(&exposures).map(|(o, e)| Observation {
+        noise: o.noise.or(Some(NoiseTerm::Level(e.noise))),
+        ..*o
+    });
     let study = Study { fit, exposures: &exposures, settings: &settings.with(stands_in), progress };
     match study.all(&measured.collect::<Vec<_>>()) {
         Err(error) if stands_in.model != fit.model && error.is_about_model() => Ok(Vec::new()),

@@ -33,7 +33,7 @@ use lack_of_fit::lack_of_fit;
 ///
 /// # Errors
 /// Those of renders by the model and by the reference of all errors.
-pub(super) fn infer(task: &Task, mut optimum: Optimum) -> Result<ChannelFit> {
+pub(super) fn infer<'a>(task: &Task<'_, 'a>, mut optimum: Optimum<'a>) -> Result<ChannelFit> {
     let (equations, parameters) = (&optimum.equations, &optimum.parameters);
     let free_exposures = task.observations.iter().map(Observation::free_exposure).sum::<usize>();
     let fitted = parameters.free_count() + free_exposures;

@@ -6,7 +6,7 @@ mod registration;
 pub mod white_noise;
 
 pub(super) use exposure::{Linear, LinearTerm};
-pub(super) use observed::Observed;
+pub(super) use observed::{Levels, Observed};
 pub(super) use registration::Aligned;
 
 use crate::filter::Target;

@@ -6,6 +6,7 @@ use crate::fit::observation::{Observation, Observed};
 use crate::fit::parameters::{Bounds, Parameter, Parameters};
 use crate::forward::{Engine, ForwardModel, GramModel, Quantity, Radius, State};
 use crate::image::Image;
+use crate::phase::PhaseFunction;
 
 /// How much wider than at the start the kernels may become before a fit is planned again.
 const HEADROOM: f64 = 1.4;

@@ -13,7 +13,6 @@ use argmin::core::{
 };
 use argmin::solver::neldermead::NelderMead;
 use nalgebra::DVector;
-use std::str::FromStr;
 
 /// Choice of optimiser.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,18 +23,15 @@ pub enum Method {
     NelderMead,
 }
 
-impl FromStr for Method {
-    type Err = Error;
+impl Method {
+    /// All optimisers.
+    pub const ALL: [Method; 2] = [Method::LevenbergMarquardt, Method::NelderMead];
 
-    fn from_str(name: &str) -> Result<Self> {
-        match name {
-            "levenberg-marquardt" => Ok(Method::LevenbergMarquardt),
-            "nelder-mead" => Ok(Method::NelderMead),
-            _ => Err(Error::UnknownName {
-                what: "solver",
-                name: name.into(),
-                known: "levenberg-marquardt, nelder-mead".into(),
-            }),
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::LevenbergMarquardt => "levenberg-marquardt",
+            Method::NelderMead => "nelder-mead",
         }
     }
 }
@@ -277,8 +273,8 @@ fn run_nelder_mead(problem: Problem, max_iterations: u64) -> Result<Outcome> {
     let simplex = run.problem.take_problem().expect("the executor hands the problem back");
     let (point, _) = simplex.place(&best);
     Ok(Outcome {
-        point,
         equations: simplex.problem.equations(&point)?,
+        point,
         converged: reason == Some(TerminationReason::SolverConverged),
         stop: reason.map_or_else(|| "unknown".into(), |r| r.text().to_string()),
         iterations: run.state.get_iter(),

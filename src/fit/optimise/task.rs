@@ -25,7 +25,7 @@ pub(crate) struct Task<'x, 'a> {
     pub progress: &'x dyn Fn(),
 }
 
-impl Task<'_, '_> {
+impl<'x> Task<'x, '_> {
     /// Path lengths of all scenes.
     pub(crate) fn lengths(&self) -> PathLengths {
         let scenes: Vec<&Geometry> = self.observations.iter().map(|o| o.target.geometry).collect();
@@ -56,8 +56,8 @@ impl Task<'_, '_> {
     }
 
     /// The registered observations with the noise that `observed` have now.
-    pub(crate) fn weighted_as(&self, observed: &[Observed]) -> Vec<Observed<'_>> {
-        let weighted = |(registered, observed): (&Observed, &Observed)| {
+    pub(crate) fn weighted_as(&self, observed: &[Observed]) -> Vec<Observed<'x>> {
+        let weighted = |(registered, observed): (&Observed<'x>, &Observed)| {
             let mut registered = registered.clone();
             registered.noise = observed.noise;
             registered

@@ -163,11 +163,6 @@ impl Parameters {
         self.vector(Parameter::coordinate)
     }
 
-    /// Bounds of the coordinates.
-    pub(super) fn coordinate_bounds(&self) -> Vec<Bounds> {
-        self.all.iter().map(Parameter::coordinate_bounds).collect()
-    }
-
     /// Takes the free values from coordinates.
     pub(super) fn set_point(&mut self, point: &DVector<f64>) {
         for (parameter, &u) in self.all.iter_mut().zip(point) {

@@ -1,7 +1,7 @@
 //! No more model than a scene needs: from the cheapest candidate on, the first that suffices.
 //!
 //! A model suffices if its fit converged and determines what is free, and if its predicted error
-//! ([`ModelError`]) stays under the tolerance or under half the standard error, and in the image under
+//! ([`ModelError`](super::ModelError)) stays under the tolerance or under half the standard error, and in the image under
 //! the noise of a pixel. If the residual alone speaks against it, BIC decides between it and the next: a misfit that the
 //! next model does not mend is none of the model's.
 
@@ -13,7 +13,7 @@ pub use candidate::Candidate;
 pub(super) use prospect::{Planned, PlannedExposure, Prospect, seen};
 
 use super::scenes::{SceneFit, fit_scenes, observations, reliefs};
-use super::{ModelError, Settings};
+use super::Settings;
 use crate::error::Result;
 use crate::filter::Filter;
 use crate::relief::Relief;

@@ -26,7 +26,7 @@ use crate::error::{Error, Result};
 use crate::filter::{Coverage, Rendering, Target};
 use crate::image::Image;
 use crate::medium::Medium;
-use crate::phase::Phase;
+use crate::phase::{Phase, PhaseFunction};
 use crate::trace::{BATCHES, Likelihood};
 use plane::Plane;
 use std::cell::RefCell;
@@ -79,9 +79,7 @@ impl<'a> Replayed<'a> {
     /// Traces the paths of scene number `scene` at `state`.
     pub(super) fn new(target: Target<'a>, state: &State, tracing: Tracing, scene: u64) -> Result<Self> {
         if state.shift_px.is_some() {
-            let why = "model traced does not render a shifted observation; use small-angle or wide-angle, or register \
-                       the observation before";
-            return Err(Error::Usage(why.into()));
+            return Err(Error::NotShifted);
         }
         let paths = trace(target, &state.medium, tracing, scene)?;
         // The share falls like exp(-u·F u), F the information; each of three coordinates may use a third of that.

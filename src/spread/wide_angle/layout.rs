@@ -148,13 +148,13 @@ impl Layout {
                 "sigma_s z",
                 tau,
                 Self::TAU.1,
-                "between 0 and 12, where the table of model wide-angle ends (--model traced has no end)",
+                "between 0 and 12, where the table of model wide-angle ends (model traced has no end)",
             ),
             (
                 "sigma_a z",
                 absorption,
                 Self::ABSORPTION.1,
-                "between 0 and 10, where the table of model wide-angle ends (--model traced has no end)",
+                "between 0 and 10, where the table of model wide-angle ends (model traced has no end)",
             ),
         ] {
             in_range(name, value, value >= 0.0 && value <= end * (1.0 + 1e-12), allowed)?;
@@ -162,12 +162,13 @@ impl Layout {
         match self.family {
             Family::Gaussian => {
                 let (degrees, widest) = ((4.0 * parameter).sqrt().to_degrees(), self.ends.1.to_degrees());
-                let allowed = "at most 60 degrees, where the table of model wide-angle ends (--model traced has no end)";
+                let allowed =
+                    "at most 60 degrees, where the table of model wide-angle ends (model traced has no end)";
                 in_range("spread angle", degrees, degrees <= widest * (1.0 + 1e-12), allowed)?;
             }
             Family::HenyeyGreenstein => {
                 let allowed =
-                    "at least .5, where the table of model wide-angle ends (--model traced has no end)";
+                    "at least 0.5, where the table of model wide-angle ends (model traced has no end)";
                 in_range(
                     "g",
                     parameter,

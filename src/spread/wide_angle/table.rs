@@ -55,12 +55,12 @@ impl Table {
     /// The table of this `layout` in the bytes of a file.
     ///
     /// # Errors
-    /// [`Error::Usage`] if they are no complete table.
+    /// [`Error::BadTable`] if they are no complete table.
     pub fn parse(layout: &'static Layout, bytes: &[u8]) -> Result<Self> {
-        let (_, values) = Self::split(bytes).map_err(|what| Error::Usage(format!("no table: {what}")))?;
+        let (_, values) = Self::split(bytes).map_err(Error::BadTable)?;
         let (found, wanted) = (values.len(), layout.counts.iter().product::<usize>() * layout.numbers());
         if found != wanted {
-            return Err(Error::Usage(format!("no table: {found} numbers of {wanted}")));
+            return Err(Error::BadTable(format!("{found} numbers of {wanted}")));
         }
         Ok(Self { layout, axes: layout.axes(), values })
     }

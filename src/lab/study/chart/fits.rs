@@ -5,10 +5,10 @@ use super::timing::{Effort, Timing};
 use crate::filter::Backend;
 use crate::fit::scenes::SceneFit;
 use crate::fit::{NAMES, Parameters, Status};
+use crate::lab::study::stability::Method;
 use crate::medium::Medium;
 use crate::phase::PhaseFunction;
 use crate::spread::Model;
-use crate::study::stability::Method;
 
 /// One model, or the automatic choice of one, on one backend, and what came of it.
 #[derive(Debug, Clone)]

@@ -1,11 +1,11 @@
 //! A folder with a scene and the medium through which it was observed.
 
-use crate::compare::{RmsError, rms_error};
 use crate::error::{Error, Result};
 use crate::filter::{Backend, Filter, Optics, Target, hidden_share};
 use crate::fit::path_lengths;
 use crate::image::{Channel, Image};
 use crate::io::exr::ExrFile;
+use crate::lab::compare::{RmsError, rms_error};
 use crate::medium::Medium;
 use crate::relief::Relief;
 use crate::scene::{Gain, Noise, Observation, ObservedScene, Scene, Veil, read_truth};

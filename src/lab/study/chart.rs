@@ -1,7 +1,7 @@
 //! What accuracy costs: time against error, of renders and of fits, on scenes seen through a known medium.
 //!
 //! The truth of a render is the observation of a [`Dataset`], made by a program that knows nothing of the models; its noise is
-//! known and taken off in squares ([`rms_error`](crate::compare::rms_error)). The truth of a fit is the medium. Either leaves a
+//! known and taken off in squares ([`rms_error`](crate::lab::compare::rms_error)). The truth of a fit is the medium. Either leaves a
 //! *floor*: what the noise lets a perfect render, or a perfect fit, still show as an error.
 //!
 //! Times are medians of several runs.

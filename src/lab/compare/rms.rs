@@ -57,22 +57,9 @@ pub fn rms_error(kernel: &[f64], traced: &[Estimate], paths: Option<u64>) -> Opt
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::{Experiment, Plane};
-    use crate::spread::Model;
 
     fn exact(values: [f64; 4]) -> Vec<Estimate> {
         values.map(|value| Estimate { value, std_error: 0.0 }).to_vec()
-    }
-
-    /// Thin light at 5 degrees in rings that hold some ten photons each where it is faint.
-    fn experiment(seed: u64, paths: u64) -> Experiment {
-        let planes = vec![Plane { z: 1.0, steps: 1 }];
-        Experiment { albedo: 1.0, spread_angle_deg: 5.0, planes, rings: 60, step: 0.01, paths, seed }
-    }
-
-    fn error_of(model: Model, seed: u64, paths: u64) -> RmsError {
-        let rings = experiment(seed, paths).run(&|_| ()).unwrap().remove(0);
-        rings.errors().unwrap().into_iter().find(|e| e.0 == model).unwrap().1
     }
 
     #[test]
@@ -83,41 +70,5 @@ mod tests {
         assert_eq!(error([1.5, 2.0, 0.5, 0.0]), 0.5);
         assert_eq!(error([3.0, 4.0, 1.0, 0.0]), 0.0);
         assert!(rms_error(&[1.0; 4], &exact([0.0; 4]), Some(100)).is_none());
-    }
-
-    #[test]
-    fn the_error_does_not_depend_on_the_number_of_photons() {
-        // The noise of the few photons alone is .06, and would raise an error of .09 to .11.
-        let (few, many) = (error_of(Model::NarrowBeam, 1, 4_000), error_of(Model::NarrowBeam, 2, 2_000_000));
-        assert!(few.noise > 20.0 * many.noise);
-        let bound = 4.0 * few.error.std_error.hypot(many.error.std_error);
-        assert!((few.error.value - many.error.value).abs() < bound, "{few:?} {many:?}");
-        let noisy = few.error.value.hypot(few.noise);
-        assert!(noisy - many.error.value > 0.01, "{few:?} {many:?}");
-    }
-
-    #[test]
-    fn the_stated_error_is_the_scatter_between_seeds() {
-        let errors: Vec<_> = (0..80).map(|seed| error_of(Model::Gaussian, seed, 4_000).error).collect();
-        let n = errors.len() as f64;
-        let mean = errors.iter().map(|e| e.value).sum::<f64>() / n;
-        let scatter = (errors.iter().map(|e| (e.value - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
-        let stated = errors.iter().map(|e| e.std_error).sum::<f64>() / n;
-        // The scatter of 80 is itself known to 8 %.
-        assert!((stated / scatter - 1.0).abs() < 0.3, "stated {stated}, scatter {scatter}");
-    }
-
-    #[test]
-    fn merged_rings_are_those_of_a_coarser_tally() {
-        let fine = experiment(1, 20_000).run(&|_| ()).unwrap().remove(0).merged(5);
-        let coarse = Experiment { rings: 12, step: 0.05, ..experiment(1, 20_000) };
-        let coarse = coarse.run(&|_| ()).unwrap().remove(0);
-        // Photons on an edge may fall to either side of it in f32; none does here.
-        for (a, b) in fine.traced.iter().zip(&coarse.traced) {
-            assert!((a.value - b.value).abs() < 1e-12 && (a.std_error - b.std_error).abs() < 1e-12);
-        }
-        for (a, b) in fine.kernels.iter().zip(&coarse.kernels) {
-            assert!(a.0 == b.0 && a.1.iter().zip(&b.1).all(|(x, y)| (x - y).abs() < 1e-9), "{}", a.0);
-        }
     }
 }

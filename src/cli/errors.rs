@@ -1,0 +1,35 @@
+//! What the command line adds to errors: the options that they are about, and the exit code.
+
+use crate::error::Error;
+use std::process::ExitCode;
+
+/// Bad usage or input.
+const USAGE: u8 = 2;
+
+/// Options that contradict each other.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub(super) struct Usage(pub String);
+
+/// Prints `error` with the options that it is about, and returns the exit code.
+pub(super) fn report(error: &anyhow::Error) -> ExitCode {
+    eprintln!("narrowbeam: {}", worded(error));
+    match error.downcast_ref::<Error>() {
+        Some(ours) if ours.is_usage() => ExitCode::from(USAGE),
+        Some(Error::Write { .. }) => {
+            eprintln!("free some space, or write elsewhere, and run the same command again");
+            ExitCode::FAILURE
+        }
+        _ if error.is::<Usage>() => ExitCode::from(USAGE),
+        _ => ExitCode::FAILURE,
+    }
+}
+
+fn worded(error: &anyhow::Error) -> String {
+    match error.downcast_ref::<Error>() {
+        Some(Error::NoAdapter) => format!("--backend gpu: {error}, or use --backend cpu"),
+        Some(Error::Gpu(_)) => format!("{error}, or use --backend cpu"),
+        Some(Error::NoKernel) => format!("--model: {error}; use it with narrowbeam fit or render"),
+        _ => error.to_string(),
+    }
+}
