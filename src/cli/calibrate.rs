@@ -47,7 +47,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
             rows.push(vec![
                 case.name.into(),
                 case.model.name().into(),
-                found.name().into(),
+                found.parameter.clone(),
                 found.draws.to_string(),
                 found.inside.to_string(),
                 format!("{:.4}", found.share()),

@@ -6,9 +6,10 @@ use super::names::WantedModel;
 use super::options::{RenderOptions, TracingOptions, positive, provenance};
 use super::progress::Progress;
 use super::{UNDETERMINED, aligned, say};
-use crate::fit::ladder::climb;
-use crate::fit::scenes::{SceneFit, check_scenes, fit_scenes};
-use crate::fit::{Method, Settings, bootstrap, profile};
+use crate::fit::{
+    ChannelFit, Draws, Method, SceneFit, Settings, Ways, add_advice, bootstrap, check_scenes, fit_scenes, profile,
+    select,
+};
 use crate::io::colour::{Tone, residual_scale};
 use crate::io::{atomic, exr, png};
 use crate::plots::{Figure, Panel, Shade};
@@ -73,11 +74,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     atomic::check_writable(&arguments.out.join("fit.json"))?;
     let mut fit = estimate(arguments, &scenes, &chosen)?;
     add_intervals(arguments, &scenes, &chosen, &mut fit)?;
-    add_advice(arguments, &scenes, &chosen, &mut fit)?;
-    fit.report.backend["reason"] = chosen.reason.clone().into();
+    advise(arguments, &scenes, &chosen, &mut fit)?;
+    fit.report.backend.reason = Some(chosen.reason.clone());
     fit.report.command = provenance().into_iter().find(|(key, _)| key == "command").map(|(_, value)| value);
     write(arguments, &scenes, &fit, &chosen)?;
-    tell(arguments, &fit, &chosen)?;
+    print(arguments, &fit, &chosen)?;
     Ok(if fit.report.is_complete() { ExitCode::SUCCESS } else { ExitCode::from(UNDETERMINED) })
 }
 
@@ -91,11 +92,7 @@ fn check_intervals(arguments: &Arguments) -> Result<(), Usage> {
     Ok(())
 }
 
-fn settings_of<'a>(
-    arguments: &Arguments,
-    chosen: &'a Chosen,
-    progress: &'a (dyn Fn() + Sync),
-) -> Settings<'a> {
+fn settings_of<'a>(arguments: &Arguments, chosen: &'a Chosen) -> Settings<'a> {
     let model = match arguments.rendering.model {
         WantedModel::This(model) => model,
         // What any input must at least be good for.
@@ -106,9 +103,8 @@ fn settings_of<'a>(
         backend: chosen.backend(),
         method: arguments.solver,
         max_iterations: arguments.max_iterations,
-        sums: arguments.solver == Method::LevenbergMarquardt,
+        gram: arguments.solver == Method::LevenbergMarquardt,
         tracing: arguments.tracing.tracing(),
-        progress,
     }
 }
 
@@ -119,10 +115,10 @@ fn estimate(arguments: &Arguments, scenes: &[ObservedScene], chosen: &Chosen) ->
         _ => Progress::new("fitting", "renders", renders),
     };
     let tick = || progress.add(1);
-    let (settings, filter) = (settings_of(arguments, chosen, &tick), arguments.rendering.filter);
+    let (settings, filter) = (settings_of(arguments, chosen), arguments.rendering.filter);
     match arguments.rendering.model {
-        WantedModel::This(_) => fit_scenes(scenes, &settings, filter),
-        WantedModel::Auto => climb(scenes, &settings, filter, arguments.tolerance),
+        WantedModel::This(_) => fit_scenes(scenes, &settings, filter, &tick),
+        WantedModel::Auto => select(scenes, &settings, filter, arguments.tolerance, &tick),
     }
 }
 
@@ -134,45 +130,43 @@ fn add_intervals(
     fit: &mut SceneFit,
 ) -> crate::Result<()> {
     let filter = arguments.rendering.filter;
+    let settings = |channel: &ChannelFit| Settings { model: channel.model, ..settings_of(arguments, chosen) };
     if arguments.profile {
         let progress = Progress::uncounted("profile likelihood");
-        fit.add_intervals("profile95", scenes, filter, |data, channel, options| {
-            let tick = || progress.add(1);
-            let settings = settings_of(arguments, chosen, &tick);
-            profile(data, channel, options, &Settings { model: channel.model, ..settings })
+        fit.add_intervals(Ways::Profile, scenes, filter, |observations, channel, options| {
+            profile(observations, channel, options, &settings(channel), &|| progress.add(1))
         })?;
     }
     if arguments.bootstrap > 0 {
         let refits = (arguments.bootstrap * scenes[0].scene.object.len()) as u64;
         let progress = Progress::new("bootstrap", "fits", refits);
-        let draws = (arguments.bootstrap, arguments.tracing.seed);
-        fit.add_intervals("bootstrap95", scenes, filter, |data, channel, options| {
-            let settings = Settings { model: channel.model, ..settings_of(arguments, chosen, &|| ()) };
-            bootstrap(data, channel, options, &settings, draws, &|| progress.add(1))
+        let draws = Draws { count: arguments.bootstrap, seed: arguments.tracing.seed };
+        fit.add_intervals(Ways::Bootstrap, scenes, filter, |observations, channel, options| {
+            bootstrap(observations, channel, options, &settings(channel), draws, &|| progress.add(1))
         })?;
     }
     Ok(())
 }
 
 /// What would free what is undetermined, if something is.
-fn add_advice(
+fn advise(
     arguments: &Arguments,
     scenes: &[ObservedScene],
     chosen: &Chosen,
     fit: &mut SceneFit,
 ) -> crate::Result<()> {
-    let progress = Progress::uncounted("reckoning what would determine more");
-    let tick = || progress.add(1);
-    fit.add_advice(scenes, &settings_of(arguments, chosen, &tick), arguments.rendering.filter)
+    let progress = Progress::uncounted("computing what would determine more");
+    let settings = settings_of(arguments, chosen);
+    add_advice(fit, scenes, &settings, arguments.rendering.filter, &|| progress.add(1))
 }
 
 /// The table for people goes to stdout, or to stderr if stdout is for the JSON.
-fn tell(arguments: &Arguments, fit: &SceneFit, chosen: &Chosen) -> Result<()> {
+fn print(arguments: &Arguments, fit: &SceneFit, chosen: &Chosen) -> Result<()> {
     let report = &fit.report;
     let mut text = aligned(&report.table("1/length"));
     report.remarks().iter().for_each(|line| text += &format!("{line}\n"));
     text += &format!("{}\n", how_it_went(arguments, fit, chosen));
-    report.ladder.iter().for_each(|rung| text += &format!("{}\n", rung.line()));
+    report.ladder.iter().for_each(|candidate| text += &format!("{}\n", candidate.line()));
     if arguments.json {
         eprint!("{text}");
         say(&format!("{}\n", serde_json::to_string_pretty(report)?))?;
@@ -186,30 +180,29 @@ fn tell(arguments: &Arguments, fit: &SceneFit, chosen: &Chosen) -> Result<()> {
 }
 
 fn how_it_went(arguments: &Arguments, fit: &SceneFit, chosen: &Chosen) -> String {
-    let (report, hides) = (&fit.report, fit.hides());
-    let fit = &report.fit;
-    let count = |key: &str| fit[key].as_u64().unwrap_or(0);
-    let (counted, hidden) = (count("pixels"), count("hidden_pixels"));
-    let left_out = if hides {
-        format!(", {hidden} of {} pixels left out for hidden light", hidden + counted)
+    let (report, summary) = (&fit.report, &fit.report.fit);
+    let left_out = if fit.hides() {
+        let all = summary.hidden_pixels + summary.pixels;
+        format!(", {} of {all} pixels left out for hidden light", summary.hidden_pixels)
+    } else {
+        String::new()
+    };
+    let by_gram = if summary.path == "sums" {
+        format!("{} evaluations by sums and ", summary.sum_evaluations)
     } else {
         String::new()
     };
     format!(
-        "{}, {} on {}: reduced chi² {:.3} over {counted} pixels{left_out}, {} iterations, {}{} renders, {:.3} s; \
+        "{}, {} on {}: reduced chi² {:.3} over {} pixels{left_out}, {} iterations, {by_gram}{} renders, {:.3} s; \
          report in {}",
         report.model,
         report.filter,
         chosen.describe(),
-        fit["reduced_chi2"].as_f64().unwrap_or(f64::NAN),
-        fit["iterations"],
-        if fit["path"] == "sums" {
-            format!("{} evaluations by sums and ", fit["sum_evaluations"])
-        } else {
-            String::new()
-        },
-        fit["evaluations"],
-        fit["seconds"].as_f64().unwrap_or(f64::NAN),
+        summary.reduced_chi2,
+        summary.pixels,
+        summary.iterations,
+        summary.evaluations,
+        summary.seconds,
         arguments.out.display()
     )
 }

@@ -6,13 +6,13 @@ use super::options::{
     MediumOptions, RenderOptions, TracingOptions, exr_or_png, has_extension, provenance, record_of,
 };
 use super::progress::Progress;
-use crate::filter::{CUT, Filter, Optics, Target, hidden_share};
-use crate::fit::{path_lengths, render_traced};
-use crate::image::Channel;
+use crate::filter::{CUT, Filter, Target};
+use crate::forward::Engine;
+use crate::geometry::path_lengths;
+use crate::image::{Channel, Image};
 use crate::io::{atomic, exr};
 use crate::plots::{Figure, Panel, Shade};
 use crate::scene::Scene;
-use crate::spread::Model;
 use anyhow::Result;
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use std::path::{Path, PathBuf};
@@ -44,14 +44,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let media = scene.media(arguments.medium.values())?;
     check_outputs(arguments)?;
     let chosen = Chosen::new(arguments.rendering.backend, [&scene], [1, 1])?;
-    let backend = chosen.backend();
     let progress = Progress::uncounted("rendering");
     let model = arguments.rendering.model.for_media(&media, path_lengths(&[&scene.geometry]));
+    let engine = Engine { model, backend: chosen.backend(), tracing: arguments.tracing.tracing() };
     let relief = arguments.rendering.filter.relief(&scene.geometry);
     let mut cut = false;
     let (mut channels, mut shares) = (Vec::new(), Vec::new());
     for ((object, behind), &medium) in scene.object.iter().zip(&scene.behind).zip(&media) {
-        let optics = Optics { model, medium };
         let target = Target {
             radiance: &object.image,
             behind,
@@ -60,17 +59,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
             view: scene.view,
             relief: relief.as_ref(),
         };
-        let image = if model == Model::Traced {
-            render_traced(target, &optics, arguments.tracing.tracing())?
-        } else {
-            let filter = backend.prepare(target, &optics, 1.0)?;
-            cut |= filter.coverage(&optics)?.cut;
-            filter.render(&optics)?
-        };
-        channels.push(Channel { name: object.name.clone(), image });
+        let named = |image| Channel { name: object.name.clone(), image };
+        let rendered = engine.render(target, medium)?;
+        cut |= rendered.cut;
+        channels.push(named(rendered.image));
         if arguments.hidden_share.is_some() {
-            shares
-                .push(Channel { name: object.name.clone(), image: hidden_share(&target, &optics, backend)? });
+            let nothing = || Image::filled(scene.view.width, scene.view.height, 0.0);
+            shares.push(named(engine.hidden_share(target, medium)?.unwrap_or_else(nothing)));
         }
     }
     drop(progress);

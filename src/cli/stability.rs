@@ -4,7 +4,8 @@ mod pictures;
 
 use super::progress::Progress;
 use super::{aligned, say};
-use crate::fit::NAMES;
+use crate::fit::WarningCode;
+use crate::forward::Quantity;
 use crate::io::atomic;
 use crate::lab::study::stability::{Tally, Trial, Verdict};
 use crate::lab::study::sweeps::{Extent, SWEEP_TRACES, grid, sweeps};
@@ -71,12 +72,12 @@ fn csv(trials: &[Trial]) -> String {
             quote(&t.method.name()),
             o.model,
             quote(o.verdict().name()),
-            o.warnings.join(" "),
+            names(&o.warnings),
             quote(o.refused.as_deref().unwrap_or("")),
             o.seconds
         );
-        for found in &o.found {
-            match found {
+        for quantity in Quantity::MEDIUM {
+            match o.of(quantity) {
                 Some(f) => {
                     text += &format!(",{:.3e},{:.3e},{:.3e},{}", f.error, f.std_error, f.model_error, f.held);
                 }
@@ -86,6 +87,13 @@ fn csv(trials: &[Trial]) -> String {
         text.push('\n');
     }
     text
+}
+
+/// Columns of the parameters of [`Quantity::MEDIUM`].
+const NAMES: [&str; 3] = ["sigma_s", "sigma_a", "b"];
+
+fn names(codes: &[WarningCode]) -> String {
+    codes.iter().map(|code| code.name()).collect::<Vec<_>>().join(" ")
 }
 
 /// How often each method ended in which way, on the grid and on each sweep.
@@ -111,7 +119,7 @@ fn summary(trials: &[Trial]) -> Vec<Vec<String>> {
         let here: Vec<&Trial> =
             trials.iter().filter(|t| t.sweep == *sweep && t.method.name() == *method).collect();
         let count = |v: Verdict| here.iter().filter(|t| t.outcome.verdict() == v).count().to_string();
-        let held: Vec<bool> = here.iter().flat_map(|t| t.outcome.found).flatten().map(|f| f.held).collect();
+        let held: Vec<bool> = here.iter().flat_map(|t| &t.outcome.found).map(|f| f.held).collect();
         let held = format!("{} of {}", held.iter().filter(|h| **h).count(), held.len());
         let start = [sweep.to_string(), method.clone(), here.len().to_string(), held];
         start.into_iter().chain(ALL.map(count)).collect()

@@ -193,6 +193,19 @@ impl<'a> Engine<'a> {
         self.prepare(target, state, 1.0, scene)?.image(state)
     }
 
+    /// `target` through `medium`.
+    ///
+    /// # Errors
+    /// As [`ForwardModel::image`].
+    pub fn render(&self, target: Target<'a>, medium: Medium) -> Result<Rendered> {
+        let state = State::from(medium);
+        if self.model == Model::Traced {
+            return Ok(Rendered { image: self.image(target, &state, 0, 1.0)?, cut: false });
+        }
+        let model = self.prepare(target, &state, 1.0, 0)?;
+        Ok(Rendered { cut: model.coverage(&state)?.cut, image: model.image(&state)? })
+    }
+
     /// The object's light and the part of it that is not scattered, of `target` at `state`, by a model that has kernels.
     ///
     /// # Errors
@@ -224,6 +237,15 @@ impl<'a> Engine<'a> {
     }
 }
 
+/// A rendered scene.
+#[derive(Debug, Clone)]
+pub struct Rendered {
+    /// The object's light through the medium, over the view.
+    pub image: Image,
+    /// Whether the kernels reach beyond the padding ([`Coverage::cut`]).
+    pub cut: bool,
+}
+
 /// Light of a scene.
 #[derive(Debug, Clone)]
 pub struct Parts {
@@ -231,14 +253,4 @@ pub struct Parts {
     pub whole: Image,
     /// What is not scattered.
     pub direct: Image,
-}
-
-/// `target` through `medium`, and whether its kernels reach beyond the padding ([`Coverage::cut`]).
-///
-/// # Errors
-/// As [`ForwardModel::image`].
-pub fn render(target: Target, medium: Medium, engine: &Engine) -> Result<(Image, bool)> {
-    let state = State::from(medium);
-    let model = Engine { ..*engine }.prepare(target, &state, 1.0, 0)?;
-    Ok((model.image(&state)?, model.coverage(&state)?.cut))
 }

@@ -3,6 +3,7 @@
 use crate::filter::Rendering;
 use crate::image::Image;
 use crate::medium::Medium;
+use crate::phase::PhaseFunction;
 
 /// One number that the image depends on, in its own unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -34,6 +35,20 @@ pub struct State {
     pub medium: Medium,
     /// How far the observation is shifted to the right and downwards, px; `None` if it is not to be registered.
     pub shift_px: Option<[f64; 2]>,
+}
+
+impl State {
+    /// The value of `quantity`; a shift is 0 where the scene is not to be registered.
+    pub fn value(&self, quantity: Quantity) -> f64 {
+        let [x, y] = self.shift_px.unwrap_or([0.0; 2]);
+        match quantity {
+            Quantity::SigmaS => self.medium.sigma_s(),
+            Quantity::SigmaA => self.medium.sigma_a(),
+            Quantity::Phase => self.medium.phase().parameter(),
+            Quantity::ShiftX => x,
+            Quantity::ShiftY => y,
+        }
+    }
 }
 
 impl From<Medium> for State {

@@ -2,10 +2,13 @@
 
 use super::points::{Clock, Points};
 use crate::error::Result;
-use crate::fit::NAMES;
+use crate::forward::Quantity;
 use crate::io::atomic;
 use crate::lab::study::chart::{Charted, FitTrial, RenderTrial, Timing, Way};
 use std::path::Path;
+
+/// Columns of the parameters of [`Quantity::MEDIUM`].
+const NAMES: [&str; 3] = ["sigma_s", "sigma_a", "b"];
 
 /// The files that [`write`] makes.
 pub(super) const FILES: [&str; 3] = ["renders.csv", "fits.csv", "peer.csv"];
@@ -81,12 +84,15 @@ fn fit(trial: &FitTrial, on_front: bool) -> String {
     let time = trial.time.map_or(",,".into(), |t| format!("{},{}", times(t), t.runs));
     let found = match &trial.outcome {
         Ok(fit) => {
-            let each = fit.errors.map(|e| e.map_or(String::new(), |e| format!("{e:.3e}"))).join(",");
-            format!("{each},{:.3e},{:.1e},{}", fit.error(), fit.std_error, fit.warnings.join(" "))
+            let each = Quantity::MEDIUM.map(|quantity| {
+                fit.error_of(quantity).map_or(String::new(), |e| format!("{e:.3e}"))
+            });
+            let warnings: Vec<&str> = fit.warnings.iter().map(|code| code.name()).collect();
+            format!("{},{:.3e},{:.1e},{}", each.join(","), fit.error(), fit.std_error, warnings.join(" "))
         }
         Err(_) => ",,,,,".into(),
     };
-    let (model, filter) = trial.outcome.as_ref().map_or(("", ""), |fit| (fit.model, fit.filter));
+    let (model, filter) = trial.outcome.as_ref().map_or(("", ""), |fit| (fit.model.as_str(), fit.filter.as_str()));
     let why = trial.outcome.as_ref().err().map_or(String::new(), |why| quote(why));
     format!("{method},{model},{filter},{},{time},{found},{on_front},{why}", trial.backend)
 }

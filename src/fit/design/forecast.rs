@@ -8,7 +8,6 @@ use crate::error::Result;
 use crate::filter::{Filter, Target};
 use crate::fit::Settings;
 use crate::fit::scenes::{SceneFit, fit_scenes};
-use crate::forward::render;
 use crate::image::Channel;
 use crate::medium::Medium;
 use crate::phase::PhaseFunction;
@@ -97,7 +96,7 @@ fn images(scene: &Scene, media: &[Medium], settings: &Settings, filter: Filter) 
             view: scene.view,
             relief: relief.as_ref(),
         };
-        let (image, _) = render(target, *medium, &settings.engine())?;
+        let image = settings.engine().render(target, *medium)?.image;
         Ok(Channel { name: scene.object[i].name.clone(), image })
     };
     media.iter().enumerate().take(scene.object.len()).map(image).collect()

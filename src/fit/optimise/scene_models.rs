@@ -4,9 +4,8 @@ use crate::error::Result;
 use crate::filter::Coverage;
 use crate::fit::observation::{Observation, Observed};
 use crate::fit::parameters::{Bounds, Parameter, Parameters};
-use crate::forward::{Engine, ForwardModel, GramModel, Quantity, Radius, State};
+use crate::forward::{Engine, ForwardModel, GramModel, Radius};
 use crate::image::Image;
-use crate::phase::PhaseFunction;
 
 /// How much wider than at the start the kernels may become before a fit is planned again.
 const HEADROOM: f64 = 1.4;
@@ -141,22 +140,10 @@ fn trusted(model: &dyn ForwardModel, scene: usize, parameter: &Parameter) -> Bou
         return everywhere;
     };
     let Radius { quantity, linear, logarithmic } = *radius;
-    let value = value(&trust.origin, quantity);
+    let value = trust.origin.value(quantity);
     let slope = if parameter.is_free() { descriptor.coordinate.slope(value).abs() } else { 0.0 };
     let (here, step) = (parameter.coordinate_of(value), (linear / slope).min(logarithmic));
     [here - step, here + step]
-}
-
-/// The value of `quantity` in `state`.
-fn value(state: &State, quantity: Quantity) -> f64 {
-    let [x, y] = state.shift_px.unwrap_or([0.0; 2]);
-    match quantity {
-        Quantity::SigmaS => state.medium.sigma_s(),
-        Quantity::SigmaA => state.medium.sigma_a(),
-        Quantity::Phase => state.medium.phase().parameter(),
-        Quantity::ShiftX => x,
-        Quantity::ShiftY => y,
-    }
 }
 
 /// Whether the coordinate of `parameter` is not cut short by these bounds.

@@ -8,8 +8,7 @@ use super::{Setting, Texture};
 use crate::error::Result;
 use crate::filter::Filter;
 use crate::fit::noise::{with_noise, with_variance};
-use crate::fit::scenes::fit_scenes;
-use crate::fit::{ChannelFit, NAMES, Parameters, Settings};
+use crate::fit::{ChannelFit, Id, Parameter, Settings, fit_scenes};
 use crate::image::{Channel, Image};
 use crate::medium::Medium;
 use crate::phase::b_of_spread_angle;
@@ -49,10 +48,10 @@ pub struct Case {
 }
 
 /// How one parameter of a case came out.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Coverage {
-    /// Index in [`NAMES`].
-    pub parameter: usize,
+    /// Name of the parameter.
+    pub parameter: String,
     /// Cramér-Rao bound of ln sigma_s, sigma_a or ln B.
     pub bound: f64,
     /// Fits.
@@ -71,11 +70,6 @@ impl Coverage {
     /// Share of the intervals that hold the truth.
     pub fn share(&self) -> f64 {
         self.inside as f64 / self.draws as f64
-    }
-
-    /// The parameter's name.
-    pub fn name(&self) -> &'static str {
-        NAMES[self.parameter]
     }
 }
 
@@ -130,25 +124,30 @@ impl Case {
     pub fn run(&self, draws: usize, seed: u64, progress: &(dyn Fn() + Sync)) -> Result<Vec<Coverage>> {
         let clean = self.planes.iter().map(|plane| self.scene(plane)).collect::<Result<Vec<_>>>()?;
         let settings = Settings { model: self.model, ..Settings::default() };
-        let truth = self.planes[0].truth();
+        let truth = &self.planes[0];
         let mut known = clean.clone();
         for scene in &mut known {
-            scene.scene.fit[0].start = truth.map(Some);
+            let options = &mut scene.scene.fit[0];
+            *options = options.started_at(|quantity| truth.truth(quantity));
             let observation = &mut scene.observation;
             observation.noise = observation.noise.take().or(Some(Noise::Level(self.noise)));
         }
-        let ideal =
-            fit_scenes(&known, &Settings { sums: false, ..settings }, Filter::Auto)?.channels.remove(0).1;
-        let one = |draw: usize| -> Result<[(f64, Option<f64>); 3]> {
+        let ideal = fit(&known, &Settings { gram: false, ..settings })?;
+        let one = |draw: usize| -> Result<Vec<Drawn>> {
             let first = (draw * self.planes.len()) as u64;
             let scenes = self.noisy(clean.clone(), seed.wrapping_mul(1 << 32).wrapping_add(first));
-            let quiet = Settings { model: self.model, ..Settings::default() };
-            let fit = fit_scenes(&scenes, &quiet, Filter::Auto)?.channels.remove(0).1;
+            let fit = fit(&scenes, &Settings { model: self.model, ..Settings::default() })?;
             progress();
-            Ok(std::array::from_fn(|i| (coordinate(&fit, i) - of(i, truth[i]), fit.uncertainty.std_error(i))))
+            Ok(fit.parameters.of_medium().map(|(id, p)| Drawn::new(&fit, id, truth.truth(p.descriptor().quantity))).collect())
         };
         let all = (0..draws).into_par_iter().map(one).collect::<Result<Vec<_>>>()?;
-        Ok((0..3).map(|i| coverage(i, ideal.uncertainty.std_error(i).unwrap_or(f64::NAN), &all)).collect())
+        let parameters = ideal.parameters.of_medium().enumerate();
+        let coverage = |(i, (id, parameter)): (usize, (Id, &Parameter))| {
+            let bound = ideal.covariance.std_error(id).unwrap_or(f64::NAN);
+            let drawn: Vec<Drawn> = all.iter().map(|draw| draw[i]).collect();
+            coverage(parameter.name(), bound, &drawn)
+        };
+        Ok(parameters.map(coverage).collect())
     }
 
     /// The scenes as they would be measured once.
@@ -202,28 +201,40 @@ impl Case {
     }
 }
 
-/// The coordinate of parameter `i` in which errors are stated.
-fn of(i: usize, value: f64) -> f64 {
-    if Parameters::is_logarithmic(i) { value.ln() } else { value }
+/// The fit of the only channel.
+fn fit(scenes: &[ObservedScene], settings: &Settings) -> Result<ChannelFit> {
+    Ok(fit_scenes(scenes, settings, Filter::Auto, &|| ())?.channels.remove(0).1)
 }
 
-fn coordinate(fit: &ChannelFit, i: usize) -> f64 {
-    of(i, fit.parameters.values()[i])
+/// What one draw says of one parameter, in its coordinate.
+#[derive(Debug, Clone, Copy)]
+struct Drawn {
+    error: f64,
+    /// `None` if the parameter was called undetermined.
+    std_error: Option<f64>,
+}
+
+impl Drawn {
+    fn new(fit: &ChannelFit, id: Id, truth: f64) -> Self {
+        let parameter = fit.parameters.get(id);
+        let error = parameter.coordinate() - parameter.coordinate_of(truth);
+        Self { error, std_error: fit.covariance.std_error(id) }
+    }
 }
 
 /// 97.5 % quantile of the normal distribution.
 const NORMAL_95: f64 = 1.959_964;
 
-fn coverage(parameter: usize, bound: f64, all: &[[(f64, Option<f64>); 3]]) -> Coverage {
-    let errors: Vec<(f64, Option<f64>)> = all.iter().map(|draw| draw[parameter]).collect();
-    let number = errors.len() as f64;
+fn coverage(parameter: &str, bound: f64, drawn: &[Drawn]) -> Coverage {
+    let number = drawn.len() as f64;
+    let is_inside = |d: &&Drawn| d.std_error.is_some_and(|s| d.error.abs() <= NORMAL_95 * s);
     Coverage {
-        parameter,
+        parameter: parameter.into(),
         bound,
-        draws: errors.len(),
-        inside: errors.iter().filter(|(e, s)| s.is_some_and(|s| e.abs() <= NORMAL_95 * s)).count(),
-        undetermined: errors.iter().filter(|(_, s)| s.is_none()).count(),
-        bias: errors.iter().map(|(e, _)| e).sum::<f64>() / number / bound,
-        rms: (errors.iter().map(|(e, _)| e * e).sum::<f64>() / number).sqrt() / bound,
+        draws: drawn.len(),
+        inside: drawn.iter().filter(is_inside).count(),
+        undetermined: drawn.iter().filter(|d| d.std_error.is_none()).count(),
+        bias: drawn.iter().map(|d| d.error).sum::<f64>() / number / bound,
+        rms: (drawn.iter().map(|d| d.error * d.error).sum::<f64>() / number).sqrt() / bound,
     }
 }

@@ -2,11 +2,12 @@
 
 use crate::error::Result;
 use crate::filter::{Backend, Optics, Target};
+use crate::forward::{Quantity, State};
 use crate::geometry::Geometry;
 use crate::image::{Border, Channel, Image, View};
 use crate::medium::Medium;
 use crate::phase::PhaseFunction;
-use crate::scene::{FitOptions, Gain, Noise, Observation, ObservedScene, PartialMedium, Scene, Veil};
+use crate::scene::{FitOptions, Gain, HIDDEN_SHARE_MAX, Noise, Observation, ObservedScene, PartialMedium, Registration, Scene, Veil};
 use crate::spread::Model;
 use crate::trace::{ImageConfig, TracedImage, trace_image};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -95,9 +96,9 @@ impl Setting {
         self.medium.tau(self.z)
     }
 
-    /// sigma_s, sigma_a and the phase-function parameter.
-    pub fn truth(&self) -> [f64; 3] {
-        self.medium.parameters()
+    /// The true value of `quantity`.
+    pub fn truth(&self, quantity: Quantity) -> f64 {
+        State::from(self.medium).value(quantity)
     }
 
     fn geometry(&self) -> Result<Geometry> {
@@ -166,7 +167,8 @@ impl Setting {
             gain: Gain::Fixed(1.0),
             veil: Veil::Fixed(0.0),
             gain_error: 0.0,
-            hidden_share_max: 0.01,
+            hidden_share_max: HIDDEN_SHARE_MAX,
+                    registration: Registration::None,
         };
         Ok(ObservedScene { scene, observation })
     }

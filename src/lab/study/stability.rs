@@ -7,12 +7,10 @@
 use super::setting::Setting;
 use crate::error::Result;
 use crate::filter::{Backend, Filter};
-use crate::fit::ladder::climb;
-use crate::fit::scenes::{SceneFit, fit_scenes};
-use crate::fit::{Method as Solver, Parameters, Settings, Status};
+use crate::fit::{Id, Method as Solver, Parameter, SceneFit, Settings, WarningCode, fit_scenes, select};
+use crate::forward::Quantity;
 use crate::scene::ObservedScene;
 use crate::spread::Model;
-use nalgebra::Vector3;
 use std::time::Instant;
 
 /// Standard errors beyond which an error is no accident.
@@ -21,7 +19,12 @@ const FAILURE: f64 = 4.0;
 const RIGHT: f64 = 3.0;
 /// Warnings that say that a scene is outside what the model is valid for: its angles, its table, or the view, where that shows
 /// too little of the kernel.
-const OUTSIDE: [&str; 4] = ["outside_validity", "model_error", "model_error_unknown", "wide_kernel"];
+const OUTSIDE: [WarningCode; 4] = [
+    WarningCode::OutsideValidity,
+    WarningCode::ModelError,
+    WarningCode::ModelErrorUnknown,
+    WarningCode::WideKernel,
+];
 /// `--tolerance` of the automatic choice of a model.
 const TOLERANCE: f64 = 0.01;
 
@@ -61,18 +64,18 @@ impl Method {
             model: self.model.unwrap_or(Model::SmallAngle),
             backend,
             method: self.solver,
-            sums: self.solver == Solver::LevenbergMarquardt,
+            gram: self.solver == Solver::LevenbergMarquardt,
             ..Settings::default()
         };
         let scenes = std::slice::from_ref(scene);
         match self.model {
-            Some(_) => fit_scenes(scenes, &settings, Filter::Auto),
-            None => climb(scenes, &settings, Filter::Auto, TOLERANCE),
+            Some(_) => fit_scenes(scenes, &settings, Filter::Auto, &|| ()),
+            None => select(scenes, &settings, Filter::Auto, TOLERANCE, &|| ()),
         }
     }
 
     /// Fits `scene` and holds the outcome against the `truth`; `compared` are the parameters that have one.
-    pub fn try_on(self, scene: &ObservedScene, setting: &Setting, compared: [bool; 3]) -> Outcome {
+    pub fn try_on(self, scene: &ObservedScene, setting: &Setting, compared: &[Quantity]) -> Outcome {
         let clock = Instant::now();
         let mut outcome = Outcome::new(self.fit(scene, Backend::Cpu), setting, compared);
         outcome.seconds = clock.elapsed().as_secs_f64();
@@ -83,6 +86,8 @@ impl Method {
 /// What is known of one parameter after a fit; errors in ln sigma_s, sigma_a z and ln B.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Found {
+    /// The parameter.
+    pub quantity: Quantity,
     /// Estimate minus truth.
     pub error: f64,
     /// Standard error by the noise and by what is known of the input.
@@ -106,11 +111,11 @@ pub struct Outcome {
     /// The model that was fitted or chosen.
     pub model: String,
     /// Each parameter that was determined and has a truth.
-    pub found: [Option<Found>; 3],
+    pub found: Vec<Found>,
     /// Whether some parameter was called undetermined.
     pub undetermined: bool,
     /// Codes of warnings, but for `undetermined`.
-    pub warnings: Vec<&'static str>,
+    pub warnings: Vec<WarningCode>,
     /// Why there is no fit.
     pub refused: Option<String>,
     /// Time that it took, seconds.
@@ -118,64 +123,67 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    fn new(fit: Result<SceneFit>, setting: &Setting, compared: [bool; 3]) -> Self {
+    fn new(fit: Result<SceneFit>, setting: &Setting, compared: &[Quantity]) -> Self {
         let fit = match fit {
             Ok(fit) => fit,
             Err(error) => return Self { refused: Some(error.to_string()), ..Self::default() },
         };
         let channel = &fit.channels[0].1;
-        let found = |i: usize| {
-            let std_error = channel.uncertainty.std_error(i).filter(|_| compared[i])?;
-            let (value, truth) = (channel.parameters.values()[i], setting.truth()[i]);
-            let z = if Parameters::is_logarithmic(i) { 1.0 } else { setting.z };
-            let error =
-                if Parameters::is_logarithmic(i) { (value / truth).ln() } else { (value - truth) * z };
-            let interval = &fit.report.parameters[channel.parameters.names()[i]]["ci95"];
-            let end = |e: usize| interval[e].as_f64().unwrap_or(f64::NAN);
+        let found = |(id, parameter): (Id, &Parameter)| {
+            let quantity = parameter.descriptor().quantity;
+            let std_error = channel.covariance.std_error(id).filter(|_| compared.contains(&quantity))?;
+            let (along, truth) = (channel.parameters.along(id), setting.truth(quantity));
+            let input_error = channel.input_error.variance_of(&along).sqrt();
+            let model_error = channel.model_error.as_ref().map_or(0.0, |m| m.of(&along));
+            // Of sigma_a the scale is 1 over the path length.
+            let scale = parameter.scale();
             Some(Found {
-                error,
-                std_error: z * std_error.hypot(channel.input_error.variance_of(&Vector3::ith(i, 1.0)).sqrt()),
-                model_error: z * channel.model_error.map_or(0.0, |m| m.of(&Vector3::ith(i, 1.0))),
-                held: end(0) <= truth && truth <= end(1),
+                quantity,
+                error: (parameter.coordinate() - parameter.coordinate_of(truth)) / scale,
+                std_error: std_error.hypot(input_error) / scale,
+                model_error: model_error / scale,
+                held: fit.report.parameters[parameter.name()]
+                    .ci95
+                    .is_some_and(|[low, high]| low <= truth && truth <= high),
             })
         };
+        let codes = fit.report.warnings.iter().map(|w| w.code);
         Self {
-            model: fit.report.model.to_string(),
-            found: std::array::from_fn(found),
-            undetermined: (0..3).any(|i| channel.uncertainty.status(i) == Status::Undetermined),
-            warnings: fit
-                .report
-                .warnings
-                .iter()
-                .map(|w| w.code)
-                .filter(|&code| code != "undetermined")
-                .collect(),
+            model: fit.report.model.clone(),
+            found: channel.parameters.of_medium().filter_map(found).collect(),
+            undetermined: channel.covariance.leaves_open(),
+            warnings: codes.filter(|&code| code != WarningCode::Undetermined).collect(),
             refused: None,
             seconds: 0.0,
         }
     }
 
+    /// What was found of `quantity`.
+    pub fn of(&self, quantity: Quantity) -> Option<&Found> {
+        self.found.iter().find(|found| found.quantity == quantity)
+    }
+
     /// The largest error of a parameter; `None` if none was determined.
     pub fn worst(&self) -> Option<f64> {
-        self.found.iter().flatten().map(|f| f.error.abs()).reduce(f64::max)
+        self.found.iter().map(|f| f.error.abs()).reduce(f64::max)
     }
 
     /// What is allowed for the parameter with the largest error.
     pub fn allowed(&self) -> Option<f64> {
-        let worst = self.found.iter().flatten().max_by(|a, b| a.error.abs().total_cmp(&b.error.abs()))?;
+        let worst = self.found.iter().max_by(|a, b| a.error.abs().total_cmp(&b.error.abs()))?;
         Some(worst.allowed())
     }
 
     /// Whether something is wrong without a word.
     pub fn is_silent_failure(&self) -> bool {
-        self.warnings.is_empty() && self.found.iter().flatten().any(|f| f.error.abs() > f.allowed())
+        self.warnings.is_empty() && self.found.iter().any(|f| f.error.abs() > f.allowed())
     }
 
     /// Whether all is determined and right to within the noise: then nothing should be warned of.
     pub fn is_right(&self) -> bool {
         self.refused.is_none()
             && !self.undetermined
-            && self.found.iter().flatten().all(|f| f.error.abs() <= RIGHT * f.std_error)
+            && self.found.iter().all(|f| f.error.abs() <= RIGHT * f.std_error)
     }
 
     /// Whether all is right but a warning was given all the same, other than that the model is outside its range.

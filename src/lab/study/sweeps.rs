@@ -5,6 +5,7 @@ use super::stability::{Method, Trial};
 use crate::error::Result;
 use crate::fit::Method as Solver;
 use crate::fit::noise::with_noise;
+use crate::forward::Quantity;
 use crate::geometry::Geometry;
 use crate::image::Image;
 use crate::medium::Medium;
@@ -99,7 +100,7 @@ pub fn grid(extent: &Extent, seed: u64, tick: Tick) -> Result<Vec<Trial>> {
             let seed = seed + (i * extent.spread_angle_deg.len() + j) as u64;
             let image = setting.trace(*setting.medium.phase(), extent.samples, seed)?.mean;
             let scene = setting.scene(image, None)?;
-            trials.extend(fits("grid", (tau, String::new()), &setting, &scene, &METHODS, [true; 3]));
+            trials.extend(fits("grid", (tau, String::new()), &setting, &scene, &METHODS, &Quantity::MEDIUM));
             tick(1);
         }
     }
@@ -112,7 +113,7 @@ fn fits(
     setting: &Setting,
     scene: &ObservedScene,
     methods: &[Method],
-    compared: [bool; 3],
+    compared: &[Quantity],
 ) -> Vec<Trial> {
     let one = |&method: &Method| Trial {
         sweep,
@@ -179,7 +180,7 @@ impl Sweeps<'_> {
         let mut trials = Vec::new();
         for level in [0.0, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2] {
             let scene = self.base.scene(with_noise(clean, level * clean.mean(), self.seed), None)?;
-            trials.extend(fits("noise", (level, String::new()), &self.base, &scene, &SWEPT, [true; 3]));
+            trials.extend(fits("noise", (level, String::new()), &self.base, &scene, &SWEPT, &Quantity::MEDIUM));
         }
         Ok(trials)
     }
@@ -189,12 +190,17 @@ impl Sweeps<'_> {
         for (i, sign) in [[1, 1], [1, -1], [-1, 1], [-1, -1]].into_iter().enumerate() {
             for decades in [0.5, 1.0, 2.0] {
                 let mut scene = self.noisy(&self.base, clean)?;
-                let [s, a, b] = self.base.truth();
-                let off = |k: usize| 10f64.powf(decades * f64::from(sign[k]));
-                scene.scene.fit[0].start = [Some(s * off(0)), Some(a), Some(b * off(1))];
+                let [of_sigma_s, of_b] = sign.map(|sign| 10f64.powf(decades * f64::from(sign)));
+                let off = |quantity: Quantity| match quantity {
+                    Quantity::SigmaS => of_sigma_s,
+                    Quantity::Phase => of_b,
+                    _ => 1.0,
+                };
+                let options = &mut scene.scene.fit[0];
+                *options = options.started_at(|quantity| self.base.truth(quantity) * off(quantity));
                 let place =
-                    (decades + 10.0 * i as f64, format!("sigma_s x {:.3}, B x {:.3}", off(0), off(1)));
-                trials.extend(fits("start", place, &self.base, &scene, &SOLVED, [true; 3]));
+                    (decades + 10.0 * i as f64, format!("sigma_s x {of_sigma_s:.3}, B x {of_b:.3}"));
+                trials.extend(fits("start", place, &self.base, &scene, &SOLVED, &Quantity::MEDIUM));
             }
         }
         Ok(trials)
@@ -206,7 +212,7 @@ impl Sweeps<'_> {
             let setting = Setting { texture, ..self.base };
             let scene = self.noisy(&setting, &self.trace(&setting)?)?;
             let place = (i as f64, texture.name().to_string());
-            trials.extend(fits("texture", place, &setting, &scene, &SWEPT, [true; 3]));
+            trials.extend(fits("texture", place, &setting, &scene, &SWEPT, &Quantity::MEDIUM));
         }
         Ok(trials)
     }
@@ -224,7 +230,7 @@ impl Sweeps<'_> {
                 &setting,
                 &scene,
                 &SWEPT,
-                [true; 3],
+                &Quantity::MEDIUM,
             ));
         }
         Ok(trials)
@@ -238,13 +244,13 @@ impl Sweeps<'_> {
             let Setting { side, pixel_pitch, z, .. } = self.base;
             scene.scene.geometry = Geometry::planar(side, side, pixel_pitch, z * (1.0 + error))?;
             scene.scene.depth_error = error;
-            trials.extend(fits("depth error", (error, String::new()), &self.base, &scene, &SWEPT, [true; 3]));
+            trials.extend(fits("depth error", (error, String::new()), &self.base, &scene, &SWEPT, &Quantity::MEDIUM));
 
             let mut brighter = clean.clone();
             brighter.data.iter_mut().for_each(|v| *v *= 1.0 + error as f32);
             let mut scene = self.noisy(&self.base, &brighter)?;
             scene.observation.gain_error = error;
-            trials.extend(fits("gain error", (error, String::new()), &self.base, &scene, &SWEPT, [true; 3]));
+            trials.extend(fits("gain error", (error, String::new()), &self.base, &scene, &SWEPT, &Quantity::MEDIUM));
         }
         Ok(trials)
     }
@@ -263,7 +269,7 @@ impl Sweeps<'_> {
                 &self.base,
                 &scene,
                 &SWEPT,
-                [true, true, false],
+                &[Quantity::SigmaS, Quantity::SigmaA],
             ));
         }
         Ok(trials)
@@ -289,7 +295,7 @@ impl Sweeps<'_> {
             });
             let scene = self.noisy(&self.base, &image)?;
             let place = (change, String::new());
-            trials.extend(fits("varying sigma_s", place, &self.base, &scene, &SWEPT, [true; 3]));
+            trials.extend(fits("varying sigma_s", place, &self.base, &scene, &SWEPT, &Quantity::MEDIUM));
         }
         Ok(trials)
     }
@@ -310,7 +316,7 @@ impl Sweeps<'_> {
                 &self.base,
                 &scene,
                 &SWEPT,
-                [true; 3],
+                &Quantity::MEDIUM,
             ));
         }
         Ok(trials)

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::filter::{Backend, Filter, Optics, Target, hidden_share};
-use crate::fit::path_lengths;
+use crate::geometry::path_lengths;
 use crate::image::{Channel, Image};
 use crate::io::exr::ExrFile;
 use crate::lab::compare::{RmsError, rms_error};

@@ -3,8 +3,8 @@
 use super::dataset::Dataset;
 use super::timing::{Effort, Timing};
 use crate::filter::Backend;
-use crate::fit::scenes::SceneFit;
-use crate::fit::{NAMES, Parameters, Status};
+use crate::fit::{Fit, SceneFit, Status, WarningCode};
+use crate::forward::{Quantity, State};
 use crate::lab::study::stability::Method;
 use crate::medium::Medium;
 use crate::phase::PhaseFunction;
@@ -27,32 +27,38 @@ pub struct FitTrial {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fitted {
     /// The model that was fitted or chosen.
-    pub model: &'static str,
+    pub model: String,
     /// Its filter.
-    pub filter: &'static str,
-    /// Error of sigma_s, sigma_a and B over the truth, of the channel where it is largest; `None` if
-    /// it was not fitted.
-    pub errors: [Option<f64>; 3],
+    pub filter: String,
+    /// Error of each parameter that was fitted, over the truth, of the channel where it is largest.
+    pub errors: Vec<(Quantity, f64)>,
     /// The largest standard error of these, as relative.
     pub std_error: f64,
     /// Codes of warnings.
-    pub warnings: Vec<&'static str>,
+    pub warnings: Vec<WarningCode>,
 }
 
 impl Fitted {
     /// The largest error.
     pub fn error(&self) -> f64 {
-        self.errors.iter().flatten().fold(0.0, |worst, e| e.abs().max(worst))
+        self.errors.iter().fold(0.0, |worst, (_, e)| e.abs().max(worst))
+    }
+
+    /// The error of `quantity`, if it was fitted.
+    pub fn error_of(&self, quantity: Quantity) -> Option<f64> {
+        self.errors.iter().find(|(of, _)| *of == quantity).map(|(_, error)| *error)
     }
 }
 
-/// Errors of sigma_s, sigma_a and B (`values`) relative to the truth; where that is no absorption, the error of sigma_a z. Of g
-/// it is relative to 1 - g.
-pub(super) fn relative_errors(values: [f64; 3], truth: &Medium, z: f64) -> [f64; 3] {
-    let slope = truth.phase().family().slope(truth.phase().parameter());
-    let scales = [truth.sigma_s(), scale(truth.sigma_a(), z), slope.abs()];
-    let truth = truth.parameters();
-    std::array::from_fn(|i| (values[i] - truth[i]) / scales[i])
+/// The error of `value` relative to the truth; where that is no absorption, the error of sigma_a z. Of g it is relative to 1 - g.
+pub(super) fn relative_error(quantity: Quantity, value: f64, truth: &Medium, z: f64) -> f64 {
+    let true_value = State::from(*truth).value(quantity);
+    let unit = match quantity {
+        Quantity::SigmaA => scale(true_value, z),
+        Quantity::Phase => truth.phase().family().slope(true_value).abs(),
+        _ => true_value,
+    };
+    (value - true_value) / unit
 }
 
 /// What an error of a parameter is measured by.
@@ -92,28 +98,30 @@ fn judge(fit: &SceneFit, set: &Dataset) -> std::result::Result<Fitted, String> {
     if channels().any(|(fit, _)| !fit.converged) {
         return Err("did not converge".into());
     }
-    let lost = |i: &usize| channels().any(|(fit, _)| fit.uncertainty.status(*i) == Status::Undetermined);
-    let lost: Vec<&str> = (0..3).filter(lost).map(|i| NAMES[i]).collect();
+    let lost = fit.report.parameters.iter().filter(|(_, p)| p.status == Status::Undetermined);
+    let lost: Vec<&str> = lost.map(|(name, _)| name.as_str()).collect();
     if !lost.is_empty() {
         return Err(format!("{} undetermined", lost.join(" and ")));
     }
-    let (mut errors, mut std_error) = ([None; 3], 0.0_f64);
+    let mut errors: Vec<(Quantity, f64)> = Vec::new();
+    let mut std_error = 0.0_f64;
     for (fit, truth) in channels() {
-        let found = relative_errors(fit.parameters.values(), truth, set.z);
-        for i in 0..3 {
-            if let Some(spread) = fit.uncertainty.std_error(i) {
-                errors[i] = [errors[i], Some(found[i])]
-                    .into_iter()
-                    .flatten()
-                    .max_by(|a: &f64, b| a.abs().total_cmp(&b.abs()));
-                let unit = if Parameters::is_logarithmic(i) { 1.0 } else { scale(truth.sigma_a(), set.z) };
-                std_error = std_error.max(spread / unit);
+        for (id, parameter) in fit.parameters.of_medium() {
+            let Some(spread) = fit.covariance.std_error(id) else { continue };
+            let quantity = parameter.descriptor().quantity;
+            let error = relative_error(quantity, parameter.value(), truth, set.z);
+            match errors.iter_mut().find(|(of, _)| *of == quantity) {
+                Some((_, worst)) if worst.abs() <= error.abs() => *worst = error,
+                Some(_) => (),
+                None => errors.push((quantity, error)),
             }
+            let unit = if parameter.is_logarithmic() { 1.0 } else { scale(truth.sigma_a(), set.z) };
+            std_error = std_error.max(spread / unit);
         }
     }
-    let report = &fit.report;
-    let warnings = report.warnings.iter().map(|w| w.code).collect();
-    Ok(Fitted { model: report.model, filter: report.filter, errors, std_error, warnings })
+    let Fit { model, filter, warnings, .. } = fit.report.clone();
+    let warnings = warnings.iter().map(|w| w.code).collect();
+    Ok(Fitted { model, filter, errors, std_error, warnings })
 }
 
 #[cfg(test)]
@@ -123,17 +131,27 @@ mod tests {
     #[test]
     fn errors_are_relative_and_where_nothing_absorbs_counted_per_path() {
         let truth = Medium::gaussian(2.0, 0.5, 0.01).unwrap();
-        assert_eq!(relative_errors([2.0, 0.5, 0.01], &truth, 3.0), [0.0; 3]);
-        let [s, a, b] = relative_errors([1.0, 0.6, 0.02], &truth, 3.0);
+        let of = |values: [f64; 3], truth: &Medium| {
+            let mut values = values.into_iter();
+            Quantity::MEDIUM.map(|quantity| relative_error(quantity, values.next().unwrap(), truth, 3.0))
+        };
+        assert_eq!(of([2.0, 0.5, 0.01], &truth), [0.0; 3]);
+        let [s, a, b] = of([1.0, 0.6, 0.02], &truth);
         assert!((s + 0.5).abs() < 1e-12 && (a - 0.2).abs() < 1e-12 && (b - 1.0).abs() < 1e-12);
         let clear = Medium::gaussian(2.0, 0.0, 0.01).unwrap();
-        assert!((relative_errors([2.0, 0.01, 0.01], &clear, 3.0)[1] - 0.03).abs() < 1e-12);
+        assert!((of([2.0, 0.01, 0.01], &clear)[1] - 0.03).abs() < 1e-12);
     }
 
     #[test]
     fn the_largest_error_counts_whatever_its_sign() {
-        let fitted = |errors| Fitted { model: "", filter: "", errors, std_error: 0.0, warnings: Vec::new() };
-        assert_eq!(fitted([Some(0.1), Some(-0.3), Some(0.2)]).error(), 0.3);
-        assert_eq!(fitted([Some(0.1), None, None]).error(), 0.1);
+        let fitted = |errors: &[f64]| Fitted {
+            model: String::new(),
+            filter: String::new(),
+            errors: Quantity::MEDIUM.into_iter().zip(errors.iter().copied()).collect(),
+            std_error: 0.0,
+            warnings: Vec::new(),
+        };
+        assert_eq!(fitted(&[0.1, -0.3, 0.2]).error(), 0.3);
+        assert_eq!(fitted(&[0.1]).error(), 0.1);
     }
 }

@@ -2,8 +2,9 @@
 //! `scripts/peer_mitsuba.py` writes them.
 
 use super::dataset::Dataset;
-use super::fits::relative_errors;
+use super::fits::relative_error;
 use crate::error::{Error, Result};
+use crate::forward::Quantity;
 use std::path::Path;
 
 /// Where the peer stands after an iteration.
@@ -44,12 +45,14 @@ pub fn read_trajectory(path: &Path, set: &Dataset) -> Result<Vec<Step>> {
                 failed(format!("line {}: {} must be a number of at least 0", i + 1, COLUMNS[c]))
             })
         };
-        let values = [number(2)?, number(3)?, number(4)?];
-        let errors = relative_errors(values, &set.truth[0], set.z);
+        let mut error = 0.0_f64;
+        for (i, quantity) in Quantity::MEDIUM.into_iter().enumerate() {
+            error = error.max(relative_error(quantity, number(2 + i)?, &set.truth[0], set.z).abs());
+        }
         steps.push(Step {
             seconds: number(0)?,
             cpu_seconds: number(1)?,
-            error: errors.into_iter().fold(0.0, |worst, e| e.abs().max(worst)),
+            error,
         });
     }
     Ok(steps)
