@@ -1,7 +1,7 @@
 //! The step of a Levenberg-Marquardt iteration within bounds.
 
 use crate::fit::parameters::Bounds;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 /// Rounds after which the search for the active bounds is given up, for each coordinate.
 const MOST_ROUNDS: usize = 4;
@@ -17,6 +17,7 @@ pub(super) fn least_within(
     matrix: &DMatrix<f64>,
 ) -> DVector<f64> {
     let movable: Vec<usize> = (0..bounds.len()).filter(|&i| bounds[i][0] < bounds[i][1]).collect();
+    let matrix = &positive(matrix, &movable);
     let mut step = DVector::zeros(bounds.len());
     let mut free = movable.clone();
     for _ in 0..MOST_ROUNDS * bounds.len() {
@@ -72,14 +73,30 @@ fn reach([low, high]: &Bounds, from: f64, to: f64) -> Option<f64> {
     }
 }
 
-/// Solution of a symmetric system, by Cholesky where it is positive and by the pseudo-inverse where it is not.
-fn solve(matrix: DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
-    match matrix.clone().cholesky() {
-        Some(cholesky) => cholesky.solve(right),
-        None => matrix
-            .pseudo_inverse(f64::EPSILON)
-            .map_or_else(|_| DVector::zeros(right.len()), |inverse| inverse * right),
+/// `matrix`, whose block of the coordinates `movable` is positive: a matrix of products of noisy renders need not be, and a step
+/// along a direction of negative curvature would lead uphill. There the magnitude of the curvature counts.
+fn positive(matrix: &DMatrix<f64>, movable: &[usize]) -> DMatrix<f64> {
+    let block = matrix.select_rows(movable).select_columns(movable);
+    let mut positive = matrix.clone();
+    if block.clone().cholesky().is_some() {
+        return positive;
     }
+    let eigen = SymmetricEigen::new(block);
+    let least = f64::EPSILON * eigen.eigenvalues.amax().max(f64::MIN_POSITIVE);
+    let curvatures = DMatrix::from_diagonal(&eigen.eigenvalues.map(|v| v.abs().max(least)));
+    let block = &eigen.eigenvectors * curvatures * eigen.eigenvectors.transpose();
+    for (i, &row) in movable.iter().enumerate() {
+        for (j, &column) in movable.iter().enumerate() {
+            positive[(row, column)] = block[(i, j)];
+        }
+    }
+    positive
+}
+
+/// Solution of a symmetric positive system.
+fn solve(matrix: DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
+    let size = right.len();
+    matrix.cholesky().map_or_else(|| DVector::zeros(size), |cholesky| cholesky.solve(right))
 }
 
 #[cfg(test)]
@@ -110,6 +127,14 @@ mod tests {
             let s = DVector::from_vec(vec![0.139 * f64::from(i) / 20.0, 0.3 + 0.4 * f64::from(j) / 20.0, 0.0]);
             assert!(s[1] < bounds[1][0] || model(&gradient, &matrix, &s) >= model(&gradient, &matrix, &found));
         }
+    }
+
+    #[test]
+    fn negative_curvature_leads_downhill_all_the_same() {
+        let matrix = DMatrix::from_row_slice(2, 2, &[1.0, 3.0, 3.0, 1.0]);
+        let gradient = DVector::from_vec(vec![1.0, -0.5]);
+        let step = least_within(&[[-0.1, 0.1], [-0.1, 0.1]], &gradient, &matrix);
+        assert!(gradient.dot(&step) < 0.0 && step.amax() <= 0.1, "{step}");
     }
 
     #[test]
