@@ -63,9 +63,9 @@ fn csv(trials: &[Trial]) -> String {
         let o = &t.outcome;
         text += &format!(
             "{},{},{},{},{:.1},{},{},{},{},{},{:.4}",
-            t.sweep,
-            t.level,
-            quote(&t.label),
+            t.place.sweep,
+            t.place.level,
+            quote(&t.place.label),
             t.setting.tau(),
             (4.0 * t.setting.medium.phase().parameter()).sqrt().to_degrees(),
             quote(&t.method.name()),
@@ -92,7 +92,7 @@ fn csv(trials: &[Trial]) -> String {
 fn summary(trials: &[Trial]) -> Vec<Vec<String>> {
     let mut keys: Vec<(&str, String)> = Vec::new();
     for t in trials {
-        let key = (t.sweep, t.method.name());
+        let key = (t.place.sweep, t.method.name());
         if !keys.contains(&key) {
             keys.push(key);
         }
@@ -109,7 +109,7 @@ fn summary(trials: &[Trial]) -> Vec<Vec<String>> {
     let head = head.into_iter().chain(ALL.map(Verdict::name)).map(String::from);
     let row = |(sweep, method): &(&str, String)| {
         let here: Vec<&Trial> =
-            trials.iter().filter(|t| t.sweep == *sweep && t.method.name() == *method).collect();
+            trials.iter().filter(|t| t.place.sweep == *sweep && t.method.name() == *method).collect();
         let count = |v: Verdict| here.iter().filter(|t| t.outcome.verdict() == v).count().to_string();
         let held: Vec<bool> = here.iter().flat_map(|t| t.outcome.found).flatten().map(|f| f.held).collect();
         let held = format!("{} of {}", held.iter().filter(|h| **h).count(), held.len());

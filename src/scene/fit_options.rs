@@ -2,7 +2,7 @@
 
 use super::FitOptions;
 use super::format::{FitSection, Numbers, Pairs, PerParameter};
-use super::medium::{channel_value, family, three_for_one};
+use super::medium::{ChannelOf, family};
 use super::source::Source;
 use crate::error::Result;
 use crate::phase::Family;
@@ -24,15 +24,12 @@ pub(super) fn read_fit(source: &Source, section: &FitSection, channels: usize) -
             }
         }
     }
-    (0..channels).map(|i| channel_options(source, section, family, (i, channels))).collect()
+    let of = |index: usize| ChannelOf { source, index, count: channels };
+    (0..channels).map(|index| channel_options(of(index), section, family)).collect()
 }
 
-fn channel_options(
-    source: &Source,
-    section: &FitSection,
-    family: Family,
-    (i, channels): (usize, usize),
-) -> Result<FitOptions> {
+fn channel_options(channel: ChannelOf, section: &FitSection, family: Family) -> Result<FitOptions> {
+    let source = channel.source;
     let mut options = FitOptions { family, ..FitOptions::default() };
     let (start, fixed) = (in_order(&section.start), in_order(&section.fixed));
     let bounds = in_order(&section.bounds);
@@ -45,12 +42,12 @@ fn channel_options(
         };
         let value = |table: &str, numbers: Option<Numbers>| {
             let key = format!("[fit] {table} {name}");
-            channel_value(source, &key, numbers, i, channels)?.map(|v| check(&key, v)).transpose()
+            channel.value(&key, numbers)?.map(|v| check(&key, v)).transpose()
         };
         options.start[p] = value("start", start[p])?;
         // A parameter that is held may be 0 even if its logarithm would be fitted; a phase function has no width 0.
         let key = format!("[fit] fixed {name}");
-        let held = channel_value(source, &key, fixed[p], i, channels)?;
+        let held = channel.value(&key, fixed[p])?;
         let allowed = |v| if p == 2 { check(&key, v) } else { source.non_negative(&key, v) };
         options.fixed[p] = held.map(allowed).transpose()?;
 
@@ -58,8 +55,7 @@ fn channel_options(
         options.bounds[p] = match bounds[p] {
             None => None,
             Some(Pairs::One(pair)) => Some(pair),
-            Some(Pairs::Three(pairs)) if channels == 3 => Some(pairs[i]),
-            Some(Pairs::Three(_)) => return Err(three_for_one(source, &key)),
+            Some(Pairs::Three(pairs)) => Some(channel.of_three(&key, pairs)?),
         };
         if let Some([low, high]) = options.bounds[p] {
             check(&key, low)?;

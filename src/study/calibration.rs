@@ -139,13 +139,16 @@ impl Case {
         }
         let ideal =
             fit_scenes(&known, &Settings { sums: false, ..settings }, Filter::Auto)?.channels.remove(0).1;
-        let one = |draw: usize| -> Result<[(f64, Option<f64>); 3]> {
+        let one = |draw: usize| -> Result<[Drawn; 3]> {
             let first = (draw * self.planes.len()) as u64;
             let scenes = self.noisy(clean.clone(), seed.wrapping_mul(1 << 32).wrapping_add(first));
             let quiet = Settings { model: self.model, ..Settings::default() };
             let fit = fit_scenes(&scenes, &quiet, Filter::Auto)?.channels.remove(0).1;
             progress();
-            Ok(std::array::from_fn(|i| (coordinate(&fit, i) - of(i, truth[i]), fit.uncertainty.std_error(i))))
+            Ok(std::array::from_fn(|i| Drawn {
+                error: coordinate(&fit, i) - of(i, truth[i]),
+                std_error: fit.uncertainty.std_error(i),
+            }))
         };
         let all = (0..draws).into_par_iter().map(one).collect::<Result<Vec<_>>>()?;
         Ok((0..3).map(|i| coverage(i, ideal.uncertainty.std_error(i).unwrap_or(f64::NAN), &all)).collect())
@@ -214,16 +217,26 @@ fn coordinate(fit: &ChannelFit, i: usize) -> f64 {
 /// 97.5 % quantile of the normal distribution.
 const NORMAL_95: f64 = 1.959_964;
 
-fn coverage(parameter: usize, bound: f64, all: &[[(f64, Option<f64>); 3]]) -> Coverage {
-    let errors: Vec<(f64, Option<f64>)> = all.iter().map(|draw| draw[parameter]).collect();
-    let number = errors.len() as f64;
+/// One parameter of one fit.
+#[derive(Clone, Copy)]
+struct Drawn {
+    /// Estimate minus truth, of the coordinate.
+    error: f64,
+    /// As the fit states it; `None` if the parameter is called undetermined.
+    std_error: Option<f64>,
+}
+
+fn coverage(parameter: usize, bound: f64, all: &[[Drawn; 3]]) -> Coverage {
+    let draws: Vec<Drawn> = all.iter().map(|draw| draw[parameter]).collect();
+    let number = draws.len() as f64;
+    let holds = |d: &&Drawn| d.std_error.is_some_and(|s| d.error.abs() <= NORMAL_95 * s);
     Coverage {
         parameter,
         bound,
-        draws: errors.len(),
-        inside: errors.iter().filter(|(e, s)| s.is_some_and(|s| e.abs() <= NORMAL_95 * s)).count(),
-        undetermined: errors.iter().filter(|(_, s)| s.is_none()).count(),
-        bias: errors.iter().map(|(e, _)| e).sum::<f64>() / number / bound,
-        rms: (errors.iter().map(|(e, _)| e * e).sum::<f64>() / number).sqrt() / bound,
+        draws: draws.len(),
+        inside: draws.iter().filter(holds).count(),
+        undetermined: draws.iter().filter(|d| d.std_error.is_none()).count(),
+        bias: draws.iter().map(|d| d.error).sum::<f64>() / number / bound,
+        rms: (draws.iter().map(|d| d.error * d.error).sum::<f64>() / number).sqrt() / bound,
     }
 }

@@ -227,15 +227,29 @@ impl Verdict {
     }
 }
 
-/// One fit.
-#[derive(Debug, Clone)]
-pub struct Trial {
-    /// The name of the sweep that it belongs to.
+/// A place on a sweep.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Place {
+    /// Name of the sweep.
     pub sweep: &'static str,
-    /// Where it stands on that sweep.
+    /// Where on it.
     pub level: f64,
     /// That in words, where a number does not say it.
     pub label: String,
+}
+
+impl Place {
+    /// A place that a number tells.
+    pub fn at(sweep: &'static str, level: f64) -> Self {
+        Self { sweep, level, label: String::new() }
+    }
+}
+
+/// One fit.
+#[derive(Debug, Clone)]
+pub struct Trial {
+    /// Where it stands.
+    pub place: Place,
     /// The plane and its medium.
     pub setting: Setting,
     /// How it was fitted.
@@ -251,7 +265,7 @@ const FAULTY: [&str; 5] =
 impl Trial {
     /// Whether the world is what the scene says.
     pub fn is_sound(&self) -> bool {
-        !FAULTY.contains(&self.sweep)
+        !FAULTY.contains(&self.place.sweep)
     }
 }
 
