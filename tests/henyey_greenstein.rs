@@ -67,7 +67,7 @@ fn the_fast_filter_is_the_definition_but_for_what_comes_back_from_beyond_the_pad
             view: View::whole(24, 20),
             relief: None,
         };
-        let medium = Medium::new(0.9, 0.1, phase.into()).unwrap();
+        let medium = Medium::new(0.9, 0.1, phase).unwrap();
         let optics = Optics { model: Model::SmallAngle, medium };
         let definition = direct_sum::render(&target, &optics).unwrap();
         let prepared = Backend::Cpu.prepare(target, &optics, 1.0).unwrap();

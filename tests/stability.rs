@@ -6,7 +6,8 @@ mod program;
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::b_of_spread_angle;
 use narrowbeam::spread::Model;
-use narrowbeam::study::stability::{Found, Method, Outcome, Place, Tally, Trial, Verdict};
+use narrowbeam::study::stability::{Found, Method, Outcome, Verdict};
+use narrowbeam::study::trial::{Place, Tally, Trial};
 use narrowbeam::study::{Setting, Texture};
 
 /// What was found of a parameter that is `error` off.

@@ -1,7 +1,8 @@
 //! The images of the stability study: a grid of media, and one thing after the other gone wrong.
 
 use super::setting::{Setting, Texture};
-use super::stability::{Method, Place, Trial};
+use super::stability::Method;
+use super::trial::{Place, Trial};
 use crate::error::Result;
 use crate::fit::Method as Solver;
 use crate::fit::noise::with_noise;

@@ -4,8 +4,9 @@ use crate::error::Result;
 use crate::image::Image;
 use crate::phase::PhaseFunction;
 use crate::plots::{Axis, ChartGrid, LineChart, Map, MapGrid, MapRow, Series, Shade};
-use crate::study::stability::{Trial, Verdict};
+use crate::study::stability::Verdict;
 use crate::study::sweeps::{Extent, METHODS};
+use crate::study::trial::Trial;
 use std::path::Path;
 
 /// The files that [`write`] makes.
