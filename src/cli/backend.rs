@@ -12,7 +12,7 @@ pub(super) enum Wanted {
     /// A graphics adapter if it pays off.
     Auto,
     Cpu,
-    /// A graphics adapter, be it a software one.
+    /// A graphics adapter, even a software one.
     Gpu,
 }
 

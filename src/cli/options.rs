@@ -52,7 +52,7 @@ pub(super) struct RenderOptions {
     /// Filter for depth maps: eq29, composite, or auto: composite where the depth map has edges or slopes
     #[arg(long, default_value = "auto")]
     pub filter: Filter,
-    /// Where to compute: cpu, gpu (a graphics adapter, even if it is a software one), or auto: a real one if it pays off
+    /// Where to compute: cpu, gpu (a graphics adapter, even a software one), or auto: a real one if it pays off
     #[arg(long, default_value = "auto")]
     pub backend: Wanted,
 }
