@@ -8,7 +8,7 @@ use narrowbeam::fit::{NAMES, Settings};
 use narrowbeam::image::Channel;
 use narrowbeam::io::colour::{Tone, residual_scale};
 use narrowbeam::plots::{Figure, Panel, Shade};
-use narrowbeam::scene::{Purpose, Scene, read_truth};
+use narrowbeam::scene::{ObservedScene, read_truth};
 use std::path::PathBuf;
 
 fn main() -> anyhow::Result<()> {
@@ -16,12 +16,12 @@ fn main() -> anyhow::Result<()> {
     let (Some(folder), Some(picture)) = (arguments.next(), arguments.next()) else {
         anyhow::bail!("usage: composite_figure DATASET PICTURE.png");
     };
-    let scenes = [Scene::read(&folder.join("scene.toml"), Purpose::Fit)?];
+    let scenes = [ObservedScene::read(&folder.join("scene.toml"))?];
     let truth = read_truth(&folder.join("truth.toml"))?;
     let eq29 = fit_scenes(&scenes, &Settings::default(), Filter::Eq29)?;
     let composite = fit_scenes(&scenes, &Settings::default(), Filter::Composite)?;
 
-    let observation = scenes[0].observation.as_ref().expect("read for a fit");
+    let observation = &scenes[0].observation;
     let most = observation.hidden_share_max;
     let share = composite.hidden_share(0);
     let residual = |fit: &SceneFit| fit.residual(0, &observation.image);

@@ -4,14 +4,14 @@
 use narrowbeam::filter::Filter;
 use narrowbeam::fit::scenes::fit_scenes;
 use narrowbeam::fit::{NAMES, Settings, Status};
-use narrowbeam::scene::{Purpose, Scene};
+use narrowbeam::scene::ObservedScene;
 use std::path::PathBuf;
 
 fn main() -> anyhow::Result<()> {
     let Some(path) = std::env::args_os().nth(1).map(PathBuf::from) else {
         anyhow::bail!("usage: fit_one_image SCENE.toml");
     };
-    let scene = Scene::read(&path, Purpose::Fit)?;
+    let scene = ObservedScene::read(&path)?;
     let fit = fit_scenes(&[scene], &Settings::default(), Filter::Auto)?;
 
     for (channel, result) in &fit.channels {

@@ -8,7 +8,7 @@ use narrowbeam::image::{Channel, Image};
 use narrowbeam::io::colour::Tone;
 use narrowbeam::io::exr::ExrFile;
 use narrowbeam::plots::{Figure, Panel, Shade};
-use narrowbeam::scene::{PartialMedium, Purpose, Scene};
+use narrowbeam::scene::{LitScene, PartialMedium};
 use narrowbeam::spread::Model;
 use narrowbeam::synthesis::{Synthesis, synthesize};
 use std::path::PathBuf;
@@ -30,8 +30,8 @@ fn main() -> anyhow::Result<()> {
     let (mut panels, mut notes) = (Vec::new(), Vec::new());
     for folder in arguments {
         let name = folder.file_name().unwrap_or(folder.as_os_str()).display().to_string();
-        let scene = Scene::read(&folder.join("scene.toml"), Purpose::Synthesize)?;
-        let media = scene.media(PartialMedium::default())?;
+        let scene = LitScene::read(&folder.join("scene.toml"))?;
+        let media = scene.scene.media(PartialMedium::default())?;
         let made = |filter| synthesize(&scene, &media, model, filter, Backend::Cpu);
         let start = Instant::now();
         let eq29 = made(Filter::Eq29)?;
@@ -44,9 +44,9 @@ fn main() -> anyhow::Result<()> {
         ));
 
         let traced = ExrFile::read(&folder.join("witness.exr"))?;
-        let near_edge = &near_edges(&scene.geometry);
+        let near_edge = &near_edges(&scene.scene.geometry);
         let mut all = Vec::new();
-        for (i, object) in scene.object.iter().enumerate() {
+        for (i, object) in scene.scene.object.iter().enumerate() {
             let part = |part: &str| -> narrowbeam::Result<[Image; 2]> {
                 let channel = format!("{part}.{}", object.name);
                 Ok([traced.named(&channel)?.image, traced.named(&format!("{channel}.variance"))?.image])

@@ -5,7 +5,7 @@ use narrowbeam::filter::{Backend, Filter};
 use narrowbeam::image::Channel;
 use narrowbeam::io::colour::Tone;
 use narrowbeam::io::png::write_rgb;
-use narrowbeam::scene::{PartialMedium, Purpose, Scene};
+use narrowbeam::scene::{LitScene, PartialMedium};
 use narrowbeam::spread::Model;
 use narrowbeam::synthesis::synthesize;
 use std::path::PathBuf;
@@ -20,8 +20,8 @@ fn main() -> anyhow::Result<()> {
     };
     let mut rows: Vec<[Vec<Channel>; 2]> = Vec::new();
     for folder in arguments {
-        let scene = Scene::read(&folder.join("scene.toml"), Purpose::Synthesize)?;
-        let media = scene.media(PartialMedium::default())?;
+        let scene = LitScene::read(&folder.join("scene.toml"))?;
+        let media = scene.scene.media(PartialMedium::default())?;
         let made = synthesize(&scene, &media, Model::SmallAngle, Filter::Auto, Backend::Cpu)?;
         rows.push([made.clear.clone(), made.total()]);
     }

@@ -45,7 +45,6 @@
 //! use narrowbeam::geometry::Geometry;
 //! use narrowbeam::image::{Border, Image, View};
 //! use narrowbeam::medium::Medium;
-//! use narrowbeam::phase::Gaussian;
 //! use narrowbeam::scene::{FitOptions, Gain};
 //! use narrowbeam::spread::Model;
 //!
@@ -54,9 +53,8 @@
 //! let view = View::whole(32, 32);
 //! let target = Target { radiance: &object, behind: &[], geometry: &geometry, border: Border::Mirror, view, relief: None };
 //!
-//! // What the camera sees through a medium of sigma_s .9 and sigma_a .05 per metre, B .004 rad².
-//! let phase = Gaussian::new(0.004)?;
-//! let optics = Optics { model: Model::SmallAngle, medium: Medium::new(0.9, 0.05)?, phase: &phase };
+//! // What the camera sees through a medium of sigma_s 0.9 and sigma_a 0.05 per metre, B 0.004 rad².
+//! let optics = Optics { model: Model::SmallAngle, medium: Medium::gaussian(0.9, 0.05, 0.004)? };
 //! let observed = CpuFilter::new(target, &optics, 1.0)?.render(&optics)?;
 //!
 //! // The medium back from the two images.

@@ -2,7 +2,7 @@
 //!
 //! `sigma_s` and `sigma_a` are the scattering and the absorption coefficient, in 1/length; everything else
 //! about the amount of light is derived from them. The direction of scattered light is the
-//! [`PhaseFunction`](crate::phase::PhaseFunction)'s.
+//! [`PhaseFunction`]'s.
 
 use crate::error::{Result, in_range};
 use crate::phase::{Gaussian, Phase, PhaseFunction};

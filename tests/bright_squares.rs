@@ -10,7 +10,7 @@ use narrowbeam::image::Image;
 use narrowbeam::io::exr::ExrFile;
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::PhaseFunction;
-use narrowbeam::scene::{Purpose, Scene, read_truth};
+use narrowbeam::scene::{Scene, read_truth};
 use narrowbeam::spread::Model;
 use std::path::{Path, PathBuf};
 
@@ -57,7 +57,7 @@ impl Square {
     fn read(name: &str) -> Self {
         let file = ExrFile::read(&folder().join(format!("{name}.exr"))).unwrap();
         Self {
-            scene: Scene::read(&folder().join(format!("{name}.scene.toml")), Purpose::Render).unwrap(),
+            scene: Scene::read(&folder().join(format!("{name}.scene.toml"))).unwrap(),
             truth: read_truth(&folder().join(format!("{name}.truth.toml"))).unwrap()[0],
             observed: file.radiance().unwrap().remove(0).image,
             variance: file.named("Y.variance").unwrap().image,

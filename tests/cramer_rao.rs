@@ -47,7 +47,7 @@ fn medium(tau: f64) -> Medium {
 fn scene(object: &Image, z: f64, tau: f64) -> Scene {
     let plane =
         Setting { texture: Texture::Edge, side: SIDE, pixel_pitch: PIXEL * z, z, medium: medium(tau) };
-    let mut scene = plane.scene(object.clone(), None).unwrap();
+    let mut scene = plane.scene(object.clone(), None).unwrap().scene;
     scene.object[0].image = object.clone();
     scene.border = Border::Mirror;
     scene

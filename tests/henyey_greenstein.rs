@@ -67,7 +67,7 @@ fn the_fast_filter_is_the_definition_but_for_what_comes_back_from_beyond_the_pad
             view: View::whole(24, 20),
             relief: None,
         };
-        let medium = Medium::new(0.9, 0.1, phase.into()).unwrap();
+        let medium = Medium::new(0.9, 0.1, phase).unwrap();
         let optics = Optics { model: Model::SmallAngle, medium };
         let definition = direct_sum::render(&target, &optics).unwrap();
         let prepared = Backend::Cpu.prepare(target, &optics, 1.0).unwrap();
@@ -126,7 +126,7 @@ fn intervals_of_g_are_those_of_the_relative_width_and_end_before_one() {
     assert!(low < value && value < high && high < 1.0);
     let half = 1.96 * relative + number("model_error") / (1.0 - value);
     assert!((((1.0 - low) / (1.0 - high)).ln() / (2.0 * half) - 1.0).abs() < 1e-4);
-    // Four standard errors are exceeded once in 16 000 cases; a g of another lobe would be.
+    // Four standard errors are exceeded once in 16 000 cases; a g of another phase function would be.
     assert!((value - 0.97).abs() < 4.0 * std_error && std_error < 0.001, "{value} ± {std_error}");
 
     assert!(

@@ -9,7 +9,7 @@ use narrowbeam::image::{Border, Image};
 use narrowbeam::lab::study::{Setting, Texture};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Gaussian, PhaseFunction};
-use narrowbeam::scene::{Gain, Noise, Scene};
+use narrowbeam::scene::{Gain, Noise, ObservedScene, Scene};
 use narrowbeam::spread::Model;
 use serde_json::Value;
 use std::sync::LazyLock;
@@ -35,19 +35,19 @@ fn nearer(plane: Setting) -> Setting {
     Setting { z: 0.5 * plane.z, ..plane }
 }
 
-fn scene(plane: &Setting, noise: f64, seed: u64) -> Scene {
+fn scene(plane: &Setting, noise: f64, seed: u64) -> ObservedScene {
     plane.scene(with_noise(&plane.render(Model::SmallAngle).unwrap(), noise, seed), Some(noise)).unwrap()
 }
 
-fn fit(scenes: &[Scene]) -> SceneFit {
+fn fit(scenes: &[ObservedScene]) -> SceneFit {
     let settings = Settings::default();
     let mut fit = fit_scenes(scenes, &settings, Filter::Auto).unwrap();
     fit.add_advice(scenes, &settings, Filter::Auto).unwrap();
     fit
 }
 
-fn ahead(scenes: &[Scene], plane: &Setting, plan: Plan) -> SceneFit {
-    forecast(scenes, &[plane.medium], &plan, &Settings::default(), Filter::Auto).unwrap()
+fn ahead(scene: &Scene, plane: &Setting, plan: Plan) -> SceneFit {
+    forecast(std::slice::from_ref(scene), &[plane.medium], &plan, &Settings::default(), Filter::Auto).unwrap()
 }
 
 /// The entry of the report on the measurement whose name begins so.
@@ -119,7 +119,7 @@ fn a_thick_medium_shows_sigma_s_times_b_and_a_second_depth_parts_them() {
 
     // What is promised at the true medium is what two scenes give there; the estimate is not known well enough to promise
     // more than the order.
-    let foretold = ahead(&scenes[..1], &THICK, plan);
+    let foretold = ahead(&scenes[0].scene, &THICK, plan);
     let both = fit(&scenes);
     assert_kept(advice(&foretold, "a second scene"), &both, &THICK, 0.2);
     let promised = advice(&alone, "a second scene")["std_errors"]["sigma_s"].as_f64().unwrap();
@@ -136,7 +136,7 @@ fn a_free_gain_shows_what_reaches_the_camera_and_a_known_one_frees_absorption() 
         let mut image = plane.render(Model::SmallAngle).unwrap();
         image.data.iter_mut().for_each(|v| *v *= gain);
         let mut scene = plane.scene(with_noise(&image, noise, seed), Some(noise)).unwrap();
-        scene.observation.as_mut().unwrap().gain = Gain::Free;
+        scene.observation.gain = Gain::Free;
         scene
     };
     let truth = 1.7 * (-THIN.medium.sigma_a() * THIN.z).exp();
@@ -159,7 +159,7 @@ fn a_free_gain_shows_what_reaches_the_camera_and_a_known_one_frees_absorption() 
     assert_eq!(advice(&alone, "a second scene")["frees"], false);
     assert_eq!(advice(&alone, "half the noise")["frees"], false);
     let mut known = scene.clone();
-    known.observation.as_mut().unwrap().gain = Gain::Fixed(1.7);
+    known.observation.gain = Gain::Fixed(1.7);
     // The promise rests on a gain that is fitted with an absorption that is not known.
     assert_kept(advice(&alone, "a known gain"), &fit(&[known]), &THIN, 0.05);
     // A second scene with a gain of its own does not help, as was said.
@@ -176,12 +176,12 @@ fn a_nearly_flat_object_calls_for_a_sharper_one() {
     // Mirrored, so that not even its rim is sharp.
     let shown = |object: Image| {
         let mut scene = THIN.scene(object.clone(), None).unwrap();
-        scene.object[0].image = object;
-        scene.border = Border::Mirror;
+        scene.scene.object[0].image = object;
+        scene.scene.border = Border::Mirror;
         scene
     };
     let flat = shown(Texture::NearlyFlat.image(THIN.side));
-    let foretold = ahead(&[flat], &THIN, plan);
+    let foretold = ahead(&flat.scene, &THIN, plan);
     show(&foretold);
     assert_eq!(foretold.channels[0].1.uncertainty.status(2), Status::Undetermined);
     assert!(
@@ -193,8 +193,8 @@ fn a_nearly_flat_object_calls_for_a_sharper_one() {
     let mut sharp = shown(Image::from_fn(THIN.side, THIN.side, |x, y| {
         if (x / 8 + y / 8) % 2 == 0 { 1.9 * mean } else { 0.1 * mean }
     }));
-    let clean = ahead(std::slice::from_ref(&sharp), &THIN, plan).render(0).remove(0).image;
-    let observation = sharp.observation.as_mut().unwrap();
+    let clean = ahead(&sharp.scene, &THIN, plan).render(0).remove(0).image;
+    let observation = &mut sharp.observation;
     observation.image[0].image = with_noise(&clean, noise, 1);
     observation.noise = Some(Noise::Level(noise));
     assert_kept(advice(&foretold, "a target of sharp edges"), &fit(&[sharp]), &THIN, 0.2);

@@ -8,7 +8,7 @@ use narrowbeam::fit::{Intervals, NAMES, Parameters, Settings, Status, bootstrap,
 use narrowbeam::lab::study::calibration::{Told, cases};
 use narrowbeam::lab::study::{Setting, Texture};
 use narrowbeam::medium::Medium;
-use narrowbeam::scene::Scene;
+use narrowbeam::scene::ObservedScene;
 use narrowbeam::spread::Model;
 use std::sync::LazyLock;
 
@@ -20,16 +20,16 @@ static PLANE: LazyLock<Setting> = LazyLock::new(|| Setting {
     medium: Medium::gaussian(0.7, 0.15, 0.004).unwrap(),
 });
 
-fn scene(plane: &Setting, noise: f64) -> Scene {
+fn scene(plane: &Setting, noise: f64) -> ObservedScene {
     plane.scene(with_noise(&plane.render(Model::SmallAngle).unwrap(), noise, 3), Some(noise)).unwrap()
 }
 
-fn fit(scene: &Scene) -> SceneFit {
+fn fit(scene: &ObservedScene) -> SceneFit {
     fit_scenes(std::slice::from_ref(scene), &Settings::default(), Filter::Auto).unwrap()
 }
 
 /// Both kinds of interval of one fit: profile likelihood, and bootstrap by `draws` refits.
-fn intervals(scene: &Scene, fit: &mut SceneFit, draws: usize) -> [Intervals; 2] {
+fn intervals(scene: &ObservedScene, fit: &mut SceneFit, draws: usize) -> [Intervals; 2] {
     let (mut both, settings) = ([[None; 3]; 2], Settings::default());
     let scenes = std::slice::from_ref(scene);
     fit.add_intervals("profile95", scenes, Filter::Auto, |data, channel, options| {
@@ -115,7 +115,7 @@ fn a_profile_ends_at_bounds_and_leaves_open_what_is_open() {
 #[test]
 fn a_fixed_parameter_has_no_interval() {
     let mut scene = scene(&PLANE, 0.005);
-    scene.fit[0].fixed[1] = Some(0.15);
+    scene.scene.fit[0].fixed[1] = Some(0.15);
     let mut fitted = fit(&scene);
     let both = intervals(&scene, &mut fitted, 20);
     for of in both {
@@ -130,7 +130,8 @@ fn a_forecast_has_the_errors_that_fits_will_have() {
     let plan = Plan { noise, free_gain: false, free_veil: false };
     let planned = scene(&PLANE, noise);
     let ahead =
-        forecast(std::slice::from_ref(&planned), &[PLANE.medium], &plan, &settings, Filter::Auto).unwrap();
+        forecast(std::slice::from_ref(&planned.scene), &[PLANE.medium], &plan, &settings, Filter::Auto)
+            .unwrap();
     let found = fit(&planned);
     for (i, name) in NAMES.into_iter().enumerate() {
         let error = |fit: &SceneFit| fit.channels[0].1.uncertainty.std_error(i).unwrap();
@@ -141,7 +142,8 @@ fn a_forecast_has_the_errors_that_fits_will_have() {
     // At one depth a free gain leaves absorption open: known before anyone measures.
     let free = Plan { free_gain: true, ..plan };
     let ahead =
-        forecast(std::slice::from_ref(&planned), &[PLANE.medium], &free, &settings, Filter::Auto).unwrap();
+        forecast(std::slice::from_ref(&planned.scene), &[PLANE.medium], &free, &settings, Filter::Auto)
+            .unwrap();
     assert_eq!(ahead.channels[0].1.uncertainty.status(1), Status::Undetermined);
 }
 

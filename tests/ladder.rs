@@ -13,7 +13,7 @@ use narrowbeam::geometry::Geometry;
 use narrowbeam::image::{Border, Channel, Image, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Gaussian, b_of_spread_angle};
-use narrowbeam::scene::{FitOptions, Gain, Noise, Observation, PartialMedium, Scene, Veil};
+use narrowbeam::scene::{FitOptions, Gain, Noise, Observation, ObservedScene, PartialMedium, Scene, Veil};
 use narrowbeam::spread::Model;
 use std::path::PathBuf;
 
@@ -39,7 +39,7 @@ impl Regime {
         [self.tau / Z, self.sigma_a, b_of_spread_angle(self.spread_angle_deg.to_radians())]
     }
 
-    fn scene(&self) -> Scene {
+    fn scene(&self) -> ObservedScene {
         let geometry = Geometry::planar(SIDE, SIDE, self.pixel_pitch, Z).unwrap();
         let [sigma_s, sigma_a, b] = self.truth();
         let phase = Gaussian::new(b).unwrap();
@@ -58,29 +58,28 @@ impl Regime {
         let image = with_noise(&image, self.noise, 7);
         let gray = |image: Image| vec![Channel { name: "Y".into(), image }];
         let fixed = std::array::from_fn(|i| self.fixed[i].then_some(self.truth()[i]));
-        Scene {
+        let scene = Scene {
             path: PathBuf::from("scene"),
             object: gray(object),
-            shading: None,
             behind: vec![Vec::new()],
             geometry,
             depth_error: 0.0,
             border: Border::Zero,
             view: View::whole(SIDE, SIDE),
-            observation: Some(Observation {
-                path: PathBuf::from("observed"),
-                image: gray(image),
-                noise: Some(Noise::Level(self.noise)),
-                mask: None,
-                gain: Gain::Fixed(1.0),
-                veil: Veil::Fixed(0.0),
-                gain_error: 0.0,
-                hidden_share_max: 0.01,
-            }),
             medium: vec![PartialMedium::default()],
-            illumination: None,
             fit: vec![FitOptions { fixed, ..FitOptions::default() }],
-        }
+        };
+        let observation = Observation {
+            path: PathBuf::from("observed"),
+            image: gray(image),
+            noise: Some(Noise::Level(self.noise)),
+            mask: None,
+            gain: Gain::Fixed(1.0),
+            veil: Veil::Fixed(0.0),
+            gain_error: 0.0,
+            hidden_share_max: 0.01,
+        };
+        ObservedScene { scene, observation }
     }
 
     fn climb(&self) -> SceneFit {

@@ -5,7 +5,7 @@ use narrowbeam::fit::Settings;
 use narrowbeam::fit::scenes::fit_scenes;
 use narrowbeam::image::{Channel, Image};
 use narrowbeam::io::exr;
-use narrowbeam::scene::{Purpose, Scene};
+use narrowbeam::scene::ObservedScene;
 use std::path::Path;
 use std::process::Command;
 
@@ -35,7 +35,7 @@ fn a_fresh_mitsuba_image_gives_its_medium_back() {
         .unwrap();
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
 
-    let scene = Scene::read(&file("scene.toml"), Purpose::Fit).unwrap();
+    let scene = ObservedScene::read(&file("scene.toml")).unwrap();
     let fit = fit_scenes(&[scene], &Settings::default(), Filter::Eq29).unwrap();
     let (_, channel) = &fit.channels[0];
     let truth = [1.0, 0.1, (8.0_f64.to_radians()).powi(2) / 4.0];

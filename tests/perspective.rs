@@ -9,7 +9,7 @@ use narrowbeam::geometry::{Camera, Field, Geometry};
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::b_of_spread_angle;
-use narrowbeam::scene::{Purpose, Scene, read_truth};
+use narrowbeam::scene::{Scene, read_truth};
 use narrowbeam::spread::Model;
 use narrowbeam::trace::{ImageConfig, TracedImage, trace_image};
 use std::path::Path;
@@ -157,7 +157,7 @@ fn the_comparison_rejects_another_field_of_view() {
 #[test]
 fn the_stage_looks_as_traced() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("datasets/mitsuba-stage");
-    let scene = Scene::read(&folder.join("scene.toml"), Purpose::Render).unwrap();
+    let scene = Scene::read(&folder.join("scene.toml")).unwrap();
     let medium = read_truth(&folder.join("truth.toml")).unwrap()[0];
     let radiance = &scene.object[0].image;
     let config = ImageConfig {

@@ -5,7 +5,7 @@ mod common;
 use narrowbeam::filter::Filter;
 use narrowbeam::fit::scenes::{SceneFit, fit_scenes};
 use narrowbeam::fit::{NAMES, Settings};
-use narrowbeam::scene::{FitOptions, Purpose, Scene, read_truth};
+use narrowbeam::scene::{FitOptions, ObservedScene, read_truth};
 use narrowbeam::spread::Model;
 use std::path::{Path, PathBuf};
 
@@ -32,7 +32,7 @@ fn folders() -> Vec<(String, PathBuf)> {
 const STAGED: [&str; 3] = ["mitsuba-planes", "mitsuba-stage", "mitsuba-tilt"];
 
 fn fit(scene: &Path, model: Model, filter: Filter) -> SceneFit {
-    let scene = Scene::read(scene, Purpose::Fit).unwrap();
+    let scene = ObservedScene::read(scene).unwrap();
     fit_scenes(&[scene], &Settings { model, ..Settings::default() }, filter).unwrap()
 }
 
@@ -224,8 +224,8 @@ fn henyey_greenstein_gives_its_medium_back_to_the_wide_angle_model_alone() {
 #[test]
 fn henyey_greenstein_fitted_as_a_gaussian_is_off_and_warned_of() {
     for (name, folder) in folders().into_iter().filter(|(name, _)| name.starts_with("hg-")) {
-        let mut scene = Scene::read(&folder.join("scene.toml"), Purpose::Fit).unwrap();
-        scene.fit[0] = FitOptions::default();
+        let mut scene = ObservedScene::read(&folder.join("scene.toml")).unwrap();
+        scene.scene.fit[0] = FitOptions::default();
         let settings = Settings { model: Model::WideAngle, ..Settings::default() };
         let fit = fit_scenes(&[scene], &settings, Filter::Auto).unwrap();
         let (values, truth) = (fit.channels[0].1.parameters.values(), truth(&folder));

@@ -3,11 +3,12 @@
 #[path = "common/program.rs"]
 mod program;
 
-use narrowbeam::lab::study::stability::{Found, Method, Outcome, Tally, Trial, Verdict};
+use narrowbeam::lab::study::stability::{Found, Method, Outcome, Verdict};
 use narrowbeam::lab::study::{Setting, Texture};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::b_of_spread_angle;
 use narrowbeam::spread::Model;
+use narrowbeam::lab::study::trial::{Place, Tally, Trial};
 
 /// What was found of a parameter that is `error` off.
 fn found(error: f64, std_error: f64, model_error: f64) -> Outcome {
@@ -43,9 +44,7 @@ fn a_tally_counts_silent_failures_and_needless_warnings() {
     let medium = Medium::gaussian(1.0, 0.1, b_of_spread_angle(0.1)).unwrap();
     let setting = Setting { texture: Texture::Checker, side: 8, pixel_pitch: 0.1, z: 1.0, medium };
     let trial = |sweep, outcome| Trial {
-        sweep,
-        level: 0.0,
-        label: String::new(),
+        place: Place::at(sweep, 0.0),
         setting,
         method: Method::of(Model::SmallAngle),
         outcome,

@@ -12,7 +12,7 @@ use narrowbeam::geometry::{Field, Geometry};
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::Gaussian;
-use narrowbeam::scene::{FitOptions, Gain, Purpose, Scene};
+use narrowbeam::scene::{FitOptions, Gain, ObservedScene};
 use narrowbeam::spread::Model;
 use std::path::Path;
 
@@ -229,7 +229,7 @@ fn another_medium_is_not_taken_for_the_answer() {
 fn the_report_names_the_path() {
     let path = |dataset: &str| {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("datasets").join(dataset).join("scene.toml");
-        let scene = Scene::read(&file, Purpose::Fit).unwrap();
+        let scene = ObservedScene::read(&file).unwrap();
         let fit = fit_scenes(&[scene], &Settings::default(), Filter::Auto).unwrap();
         let by_sums = fit.report.fit["sum_evaluations"].as_u64().unwrap();
         (fit.report.fit["path"].as_str().unwrap().to_string(), by_sums > 0)

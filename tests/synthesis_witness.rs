@@ -4,13 +4,13 @@
 use narrowbeam::filter::{Backend, Filter};
 use narrowbeam::io::exr::ExrFile;
 use narrowbeam::medium::Medium;
-use narrowbeam::scene::{PartialMedium, Purpose, Scene};
+use narrowbeam::scene::{LitScene, PartialMedium};
 use narrowbeam::spread::Model;
 use narrowbeam::synthesis::synthesize;
 use std::path::Path;
 
 /// Mean and root mean square error of each channel, over the mean of the traced light, the noise taken off.
-fn errors(scene: &Scene, media: &[Medium], witness: &ExrFile) -> Vec<[f64; 2]> {
+fn errors(scene: &LitScene, media: &[Medium], witness: &ExrFile) -> Vec<[f64; 2]> {
     let made = synthesize(scene, media, Model::SmallAngle, Filter::Eq29, Backend::Cpu).unwrap();
     let error = |channel: &narrowbeam::image::Channel| {
         let traced = |part: &str| witness.named(&format!("{part}.{}", channel.name)).unwrap().image;
@@ -34,9 +34,9 @@ fn traced_variance(witness: &ExrFile, part: &str, channel: &narrowbeam::image::C
 #[test]
 fn a_synthesized_image_has_the_light_that_mitsuba_traces() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/witness/juice");
-    let scene = Scene::read(&folder.join("scene.toml"), Purpose::Synthesize).unwrap();
+    let scene = LitScene::read(&folder.join("scene.toml")).unwrap();
     let witness = ExrFile::read(&folder.join("witness.exr")).unwrap();
-    let media = scene.media(PartialMedium::default()).unwrap();
+    let media = scene.scene.media(PartialMedium::default()).unwrap();
     // As measured: docs/synthesis.md has where this comes from.
     let near = |[mean, rms]: [f64; 2]| mean.abs() < 0.04 && rms < 0.2;
     for error in errors(&scene, &media, &witness) {

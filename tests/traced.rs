@@ -13,7 +13,7 @@ use narrowbeam::geometry::Geometry;
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Family, Gaussian, HenyeyGreenstein, PhaseFunction, b_of_spread_angle};
-use narrowbeam::scene::{FitOptions, Purpose, Scene, read_truth};
+use narrowbeam::scene::{FitOptions, ObservedScene, read_truth};
 use narrowbeam::spread::Model;
 use narrowbeam::trace::{BATCHES, Hits, ImageConfig, Likelihood, Reweighting, trace_image};
 use std::path::{Path, PathBuf};
@@ -158,7 +158,7 @@ fn dataset(name: &str) -> PathBuf {
 
 #[test]
 fn mitsubas_medium_comes_back_at_45_degrees() {
-    let scene = Scene::read(&dataset("wide-45/scene.toml"), Purpose::Fit).unwrap();
+    let scene = ObservedScene::read(&dataset("wide-45/scene.toml")).unwrap();
     let truth = read_truth(&dataset("wide-45/truth.toml")).unwrap()[0].parameters();
     let fit = || {
         let tracing = Tracing::new(Some(1 << 18), 3);
@@ -173,13 +173,13 @@ fn mitsubas_medium_comes_back_at_45_degrees() {
 
 #[test]
 fn mitsubas_medium_comes_back_behind_edges() {
-    let mut scene = Scene::read(&dataset("mitsuba-planes/layers.toml"), Purpose::Fit).unwrap();
+    let mut scene = ObservedScene::read(&dataset("mitsuba-planes/layers.toml")).unwrap();
     let truth = read_truth(&dataset("mitsuba-planes/truth.toml")).unwrap()[0].parameters();
     // The middle of the view, edges and all.
-    let whole = scene.view;
+    let whole = scene.scene.view;
     let part = View { x: 80, y: 80, width: 96, height: 96 };
-    scene.view = View { x: whole.x + part.x, y: whole.y + part.y, ..part };
-    let observation = scene.observation.as_mut().unwrap();
+    scene.scene.view = View { x: whole.x + part.x, y: whole.y + part.y, ..part };
+    let observation = &mut scene.observation;
     observation.image.iter_mut().for_each(|channel| channel.image = channel.image.crop(part));
     observation.mask = observation.mask.as_ref().map(|mask| mask.crop(part));
     let tracing = Tracing::new(Some(1 << 21), 3);

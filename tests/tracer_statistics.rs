@@ -123,7 +123,7 @@ fn henyey_greenstein_deflections_follow_the_phase_function_at_every_mean_cosine(
 
 #[test]
 fn the_chi_square_test_rejects_a_wrong_distribution() {
-    // A Gaussian 2 % off in B, and one that forgets sin(theta)/theta: the planar lobe, which differs at B = 0.1.
+    // A Gaussian 2 % off in B, and one that forgets sin(theta)/theta: the planar phase function, which differs at B = 0.1.
     let (drawn, claimed) = (Gaussian::new(0.0102).unwrap(), Gaussian::new(0.01).unwrap());
     assert!(test_deflections(&drawn, &claimed, 0.7, 1_000_000)[0] < 1e-9);
     let claimed = Gaussian::new(0.1).unwrap();
@@ -172,7 +172,7 @@ fn without_absorption_all_light_arrives_or_is_lost_through_the_surface() {
         assert!(lost.value >= last, "a path lost to a plane is lost to all behind it");
         last = lost.value;
     }
-    assert!(last > 0.01, "wide lobes turn light back: {last}");
+    assert!(last > 0.01, "wide phase functions turn light back: {last}");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use narrowbeam::filter::{Optics, Target};
 use narrowbeam::image::Image;
 use narrowbeam::io::exr::ExrFile;
 use narrowbeam::medium::Medium;
-use narrowbeam::scene::{Purpose, Scene, read_truth};
+use narrowbeam::scene::{Scene, read_truth};
 use narrowbeam::spread::Model;
 use narrowbeam::trace::{ImageConfig, trace_image};
 use std::path::Path;
@@ -29,7 +29,7 @@ impl Witness {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("datasets").join(name);
         let file = ExrFile::read(&folder.join("observed.exr")).unwrap();
         Self {
-            scene: Scene::read(&folder.join("scene.toml"), Purpose::Render).unwrap(),
+            scene: Scene::read(&folder.join("scene.toml")).unwrap(),
             truth: read_truth(&folder.join("truth.toml")).unwrap()[0],
             observed: file.radiance().unwrap().remove(0).image,
             variance: file.named("Y.variance").unwrap().image,

@@ -9,7 +9,7 @@ use narrowbeam::fit::{ChannelFit, NAMES, Settings};
 use narrowbeam::image::Image;
 use narrowbeam::lab::study::{Setting, Texture};
 use narrowbeam::medium::Medium;
-use narrowbeam::scene::{Purpose, Scene};
+use narrowbeam::scene::ObservedScene;
 use narrowbeam::spread::Model;
 use program::write_exr;
 use std::sync::LazyLock;
@@ -48,7 +48,7 @@ fn fit(observed: &Image, variance: &[(&str, Image)], keys: &str) -> ChannelFit {
         write_exr(&file("known.exr"), &[("Y", known.clone())]);
     }
     std::fs::write(file("scene.toml"), format!("{SCENE}{keys}")).unwrap();
-    let scene = Scene::read(&file("scene.toml"), Purpose::Fit).unwrap();
+    let scene = ObservedScene::read(&file("scene.toml")).unwrap();
     let settings = Settings { model: Model::WideAngle, ..Settings::default() };
     fit_scenes(&[scene], &settings, Filter::Auto).unwrap().channels.remove(0).1
 }

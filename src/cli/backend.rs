@@ -11,6 +11,7 @@ use clap::ValueEnum;
 pub(super) enum Wanted {
     Auto,
     Cpu,
+    /// A graphics adapter, even a software one.
     Gpu,
 }
 

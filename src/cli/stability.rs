@@ -7,8 +7,9 @@ use super::{aligned, say};
 use crate::fit::WarningCode;
 use crate::forward::Quantity;
 use crate::io::atomic;
-use crate::lab::study::stability::{Tally, Trial, Verdict};
+use crate::lab::study::stability::Verdict;
 use crate::lab::study::sweeps::{Extent, SWEEP_TRACES, grid, sweeps};
+use crate::lab::study::trial::{Tally, Trial};
 use crate::phase::PhaseFunction;
 use anyhow::Result;
 use std::path::PathBuf;
@@ -64,9 +65,9 @@ fn csv(trials: &[Trial]) -> String {
         let o = &t.outcome;
         text += &format!(
             "{},{},{},{},{:.1},{},{},{},{},{},{:.4}",
-            t.sweep,
-            t.level,
-            quote(&t.label),
+            t.place.sweep,
+            t.place.level,
+            quote(&t.place.label),
             t.setting.tau(),
             (4.0 * t.setting.medium.phase().parameter()).sqrt().to_degrees(),
             quote(&t.method.name()),
@@ -100,7 +101,7 @@ fn names(codes: &[WarningCode]) -> String {
 fn summary(trials: &[Trial]) -> Vec<Vec<String>> {
     let mut keys: Vec<(&str, String)> = Vec::new();
     for t in trials {
-        let key = (t.sweep, t.method.name());
+        let key = (t.place.sweep, t.method.name());
         if !keys.contains(&key) {
             keys.push(key);
         }
@@ -117,7 +118,7 @@ fn summary(trials: &[Trial]) -> Vec<Vec<String>> {
     let head = head.into_iter().chain(ALL.map(Verdict::name)).map(String::from);
     let row = |(sweep, method): &(&str, String)| {
         let here: Vec<&Trial> =
-            trials.iter().filter(|t| t.sweep == *sweep && t.method.name() == *method).collect();
+            trials.iter().filter(|t| t.place.sweep == *sweep && t.method.name() == *method).collect();
         let count = |v: Verdict| here.iter().filter(|t| t.outcome.verdict() == v).count().to_string();
         let held: Vec<bool> = here.iter().flat_map(|t| &t.outcome.found).map(|f| f.held).collect();
         let held = format!("{} of {}", held.iter().filter(|h| **h).count(), held.len());

@@ -28,7 +28,7 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// Opens the best adapter of this machine, be it a software one.
+    /// Opens the best adapter of this machine, even a software one.
     ///
     /// # Errors
     /// [`Error::NoAdapter`] if there is none, [`Error::Gpu`] if it cannot be opened.

@@ -8,11 +8,13 @@
 //! its transform Phat(q) and the mean of that over the path,
 //! F(q) = (1/q) ∫_0^q Phat(t) dt, since sigma_s ∫_0^z Phat(k u) du = sigma_s z F(k z).
 
+mod either;
 mod family;
 mod gaussian;
 mod henyey_greenstein;
 
-pub use family::{Family, Phase};
+pub use either::Phase;
+pub use family::Family;
 pub use gaussian::{Gaussian, b_of_spread_angle, encircled_erfc, mean_gaussian, mean_gaussian_slope};
 pub use henyey_greenstein::HenyeyGreenstein;
 

@@ -1,9 +1,9 @@
 //! `[fit]`: phase function, starting values, fixed values and bounds of each channel.
 
-use super::{FitOptions, ParameterOptions};
 use super::format::{FitSection, Numbers, Pairs, PerParameter};
-use super::medium::{channel_value, family, three_for_one};
+use super::medium::{ChannelOf, family};
 use super::source::Source;
+use super::{FitOptions, ParameterOptions};
 use crate::error::Result;
 use crate::phase::Family;
 
@@ -24,29 +24,23 @@ pub(super) fn read_fit(source: &Source, section: &FitSection, channels: usize) -
             }
         }
     }
-    (0..channels).map(|i| channel_options(source, section, family, (i, channels))).collect()
+    let of = |index: usize| ChannelOf { source, index, count: channels };
+    (0..channels).map(|index| channel_options(of(index), section, family)).collect()
 }
 
-fn channel_options(
-    source: &Source,
-    section: &FitSection,
-    family: Family,
-    (i, channels): (usize, usize),
-) -> Result<FitOptions> {
+fn channel_options(channel: ChannelOf, section: &FitSection, family: Family) -> Result<FitOptions> {
     let FitSection { start, fixed, bounds, .. } = section;
-    let read = |name: &str, of: Of, given: Given| {
-        Reader { source, family, channel: i, channels, name, of }.options(given)
-    };
+    let read = |name: &str, of: Of, given: Given| Reader { channel, family, name, of }.options(given);
+    let sigma_s = Given { start: start.sigma_s, fixed: fixed.sigma_s, bounds: bounds.sigma_s };
+    let sigma_a = Given { start: start.sigma_a, fixed: fixed.sigma_a, bounds: bounds.sigma_a };
+    // Of B and g the one that is not the family's is refused before.
+    let phase =
+        Given { start: start.b.or(start.g), fixed: fixed.b.or(fixed.g), bounds: bounds.b.or(bounds.g) };
     Ok(FitOptions {
         family,
-        sigma_s: read("sigma_s", Of::SigmaS, Given { start: start.sigma_s, fixed: fixed.sigma_s, bounds: bounds.sigma_s })?,
-        sigma_a: read("sigma_a", Of::SigmaA, Given { start: start.sigma_a, fixed: fixed.sigma_a, bounds: bounds.sigma_a })?,
-        phase: read(
-            family.parameter_name(),
-            Of::Phase,
-            // Of B and g the one that is not the family's is refused before.
-            Given { start: start.b.or(start.g), fixed: fixed.b.or(fixed.g), bounds: bounds.b.or(bounds.g) },
-        )?,
+        sigma_s: read("sigma_s", Of::SigmaS, sigma_s)?,
+        sigma_a: read("sigma_a", Of::SigmaA, sigma_a)?,
+        phase: read(family.parameter_name(), Of::Phase, phase)?,
     })
 }
 
@@ -67,10 +61,8 @@ struct Given {
 
 /// Reads what is asked of one parameter of one channel.
 struct Reader<'a> {
-    source: &'a Source<'a>,
+    channel: ChannelOf<'a>,
     family: Family,
-    channel: usize,
-    channels: usize,
     name: &'a str,
     of: Of,
 }
@@ -83,14 +75,14 @@ impl Reader<'_> {
         let key = self.key("fixed");
         let allowed = |v| match self.of {
             Of::Phase => self.check(&key, v),
-            Of::SigmaS | Of::SigmaA => self.source.non_negative(&key, v),
+            Of::SigmaS | Of::SigmaA => self.channel.source.non_negative(&key, v),
         };
         let fixed = self.value("fixed", fixed)?.map(allowed).transpose()?;
         let bounds = self.bounds(bounds)?;
         let outside = |v: &f64| bounds.is_some_and(|[low, high]| !(low..=high).contains(v));
         if let Some(v) = start.filter(outside).filter(|_| fixed.is_none()) {
             let message = format!("[fit] start {} = {v}: must lie within its bounds", self.name);
-            return Err(self.source.error(message));
+            return Err(self.channel.source.error(message));
         }
         Ok(ParameterOptions { start, fixed, bounds })
     }
@@ -100,14 +92,13 @@ impl Reader<'_> {
         let [low, high] = match bounds {
             None => return Ok(None),
             Some(Pairs::One(pair)) => pair,
-            Some(Pairs::Three(pairs)) if self.channels == 3 => pairs[self.channel],
-            Some(Pairs::Three(_)) => return Err(three_for_one(self.source, &key)),
+            Some(Pairs::Three(pairs)) => self.channel.of_three(&key, pairs)?,
         };
         self.check(&key, low)?;
         self.check(&key, high)?;
         if low >= high {
             let message = format!("{key} = [{low}, {high}]: the first must be below the second");
-            return Err(self.source.error(message));
+            return Err(self.channel.source.error(message));
         }
         Ok(Some([low, high]))
     }
@@ -117,15 +108,15 @@ impl Reader<'_> {
     }
 
     fn value(&self, table: &str, numbers: Option<Numbers>) -> Result<Option<f64>> {
-        channel_value(self.source, &self.key(table), numbers, self.channel, self.channels)
+        self.channel.value(&self.key(table), numbers)
     }
 
     /// `value` if a fit may move the parameter there: the logarithm of sigma_s is fitted, sigma_a may be 0.
     fn check(&self, key: &str, value: f64) -> Result<f64> {
         match self.of {
-            Of::SigmaS => self.source.positive(key, value),
-            Of::SigmaA => self.source.non_negative(key, value),
-            Of::Phase => self.source.in_range(key, value, self.family.allows(value), self.family.allowed()),
+            Of::SigmaS => self.channel.source.positive(key, value),
+            Of::SigmaA => self.channel.source.non_negative(key, value),
+            Of::Phase => self.channel.source.in_range(key, value, self.family.allows(value), self.family.allowed()),
         }
     }
 }

@@ -1,8 +1,8 @@
 //! `[illumination]`, and the object that lies in its light.
 
-use super::format::{IlluminationSection, Numbers, ObjectSection};
+use super::format::{IlluminationSection, ObjectSection};
 use super::images::{ObjectImage, check_pixels, check_radiance, check_size};
-use super::medium::channel_value;
+use super::medium::ChannelOf;
 use super::source::Source;
 use super::{Illumination, Scene};
 use crate::error::Result;
@@ -94,20 +94,19 @@ fn parallel(
     direction: [f64; 3],
     scene: &Scene,
 ) -> Result<Illumination> {
-    let channels = scene.object.len();
     let named = |e: crate::Error| source.error(format!("[illumination] {e}"));
     let normal = section.normal.map_or(DVec3::NEG_Z, DVec3::from_array);
     let sun = Sun::new(DVec3::from_array(direction), normal).map_err(named)?;
-    let value =
-        |key: &str, numbers: Option<Numbers>, i: usize| channel_value(source, key, numbers, i, channels);
     let mut irradiance = Vec::new();
     let mut bottom = Vec::new();
-    for i in 0..channels {
+    for index in 0..scene.object.len() {
+        let channel = ChannelOf { source, index, count: scene.object.len() };
         let key = "[illumination] irradiance";
-        let given =
-            value(key, section.irradiance, i)?.ok_or_else(|| source.error(format!("{key} is missing")))?;
+        let given = channel
+            .value(key, section.irradiance)?
+            .ok_or_else(|| source.error(format!("{key} is missing")))?;
         irradiance.push(source.non_negative(key, given)?);
-        let reflectance = value("[illumination] bottom_reflectance", section.bottom_reflectance, i)?;
+        let reflectance = channel.value("[illumination] bottom_reflectance", section.bottom_reflectance)?;
         bottom.push(match (section.bottom, reflectance) {
             (Some(depth), reflectance) => Bottom::new(depth, reflectance.unwrap_or(0.0)).map_err(named)?,
             (None, Some(_)) => {

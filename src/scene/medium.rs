@@ -66,8 +66,9 @@ pub(super) fn read_medium(
     let mut media = vec![PartialMedium::default(); channels];
     let Some(section) = section else { return Ok(media) };
     let family = family_of(source, section)?;
-    for (i, medium) in media.iter_mut().enumerate() {
-        let value = |key: &str, numbers: Option<Numbers>| channel_value(source, key, numbers, i, channels);
+    for (index, medium) in media.iter_mut().enumerate() {
+        let of = ChannelOf { source, index, count: channels };
+        let value = |key: &str, numbers: Option<Numbers>| of.value(key, numbers);
         let coefficient = |key: &str, numbers: Option<Numbers>| {
             value(key, numbers)?.map(|v| source.non_negative(key, v)).transpose()
         };
@@ -118,25 +119,35 @@ pub(super) fn family(source: &Source, key: &str, name: Option<&str>) -> Result<O
     name.map(|name| name.parse().map_err(wrong)).transpose()
 }
 
-/// What `numbers` say for channel `i` of `channels`.
-pub(super) fn channel_value(
-    source: &Source,
-    key: &str,
-    numbers: Option<Numbers>,
-    i: usize,
-    channels: usize,
-) -> Result<Option<f64>> {
-    match numbers {
-        None => Ok(None),
-        Some(Numbers::One(v)) => Ok(Some(v)),
-        Some(Numbers::Three(v)) if channels == 3 => Ok(Some(v[i])),
-        Some(Numbers::Three(_)) => Err(three_for_one(source, key)),
-    }
+/// One of the object's channels, whose values are read.
+#[derive(Clone, Copy)]
+pub(super) struct ChannelOf<'a> {
+    pub source: &'a Source<'a>,
+    /// Which of them.
+    pub index: usize,
+    /// How many there are.
+    pub count: usize,
 }
 
-/// The error of three values where the object has one channel.
-pub(super) fn three_for_one(source: &Source, key: &str) -> crate::Error {
-    source.error(format!("{key} has three values, but the object image has one channel"))
+impl ChannelOf<'_> {
+    /// What `numbers` say for this channel.
+    pub fn value(&self, key: &str, numbers: Option<Numbers>) -> Result<Option<f64>> {
+        match numbers {
+            None => Ok(None),
+            Some(Numbers::One(v)) => Ok(Some(v)),
+            Some(Numbers::Three(v)) => self.of_three(key, v).map(Some),
+        }
+    }
+
+    /// Its own of three values.
+    pub fn of_three<T: Copy>(&self, key: &str, values: [T; 3]) -> Result<T> {
+        if self.count == 3 {
+            Ok(values[self.index])
+        } else {
+            let message = format!("{key} has three values, but the object image has one channel");
+            Err(self.source.error(message))
+        }
+    }
 }
 
 fn complete(source: &Source, medium: PartialMedium) -> Result<Medium> {

@@ -32,13 +32,14 @@ pub mod wide_angle;
 use crate::error::{Error, Result, in_range};
 use crate::medium::Medium;
 use crate::phase::{Family, PhaseFunction};
-use moment_matched::{MomentMatched, Moments, Profile};
+use moment_matched::{MomentMatched, Moments, Profile, gaussian_width};
 use std::fmt;
 use std::str::FromStr;
 use wide_angle::layout::Layout;
 use wide_angle::{WideAngle, table_of};
 
 pub use dual::Dual;
+pub use moment_matched::{SecondMoments, second_moments};
 
 /// The spread of one object point's light, for one medium and path length.
 pub trait SpreadKernel: Send + Sync {
@@ -280,27 +281,4 @@ pub fn typical_radius(medium: &Medium, z: f64) -> f64 {
         }
         None => small_angle::SmallAngle::new(*medium, z).support((-1.0_f64).exp()),
     }
-}
-
-/// Absolute second radial moment of the scattered light in small-angle theory, length².
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SecondMoments {
-    /// The exact one.
-    pub exact: f64,
-    /// As printed in eq. 21 of Shinya et al.
-    pub printed: f64,
-}
-
-/// The second moments in `medium` after path length `z`; `None` where they are infinite.
-pub fn second_moments(medium: &Medium, z: f64) -> Option<SecondMoments> {
-    let b = gaussian_width(medium)?;
-    let of =
-        |moments: Moments| moments.mean_square_radius(medium.tau(z), b, z).value * medium.scattered_total(z);
-    Some(SecondMoments { exact: of(Moments::Exact), printed: of(Moments::Printed) })
-}
-
-/// Width B of the Gaussian phase function with the planar second moment <s²> = 4B of that of `medium`, rad²; `None` where
-/// that is infinite.
-fn gaussian_width(medium: &Medium) -> Option<f64> {
-    medium.phase().planar_second_moment().map(|moment| 0.25 * moment)
 }

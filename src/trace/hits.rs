@@ -54,8 +54,12 @@ pub struct Hits<P: Likelihood> {
     starts: Vec<usize>,
 }
 
-/// Hits in a row of the image, and how many belong to each batch of each pixel.
-type Row<M> = (Vec<Hit<M>>, Vec<usize>);
+/// A row of the image.
+struct Row<M> {
+    hits: Vec<Hit<M>>,
+    /// How many of them belong to each batch of each pixel.
+    counts: Vec<usize>,
+}
 
 impl<P: Likelihood> Hits<P> {
     /// Traces `config.samples` paths a pixel, rounded up to a multiple of [`BATCHES`]; `progress` is told the number of paths
@@ -105,14 +109,14 @@ impl<P: Likelihood> Hits<P> {
                 }
             }
             progress(view.width as u64 * samples);
-            (hits, counts)
+            Row { hits, counts }
         };
         let rows: Vec<Row<P::Memory>> = (0..view.height).into_par_iter().map(row).collect();
         let mut starts = vec![0];
-        for count in rows.iter().flat_map(|(_, counts)| counts) {
+        for count in rows.iter().flat_map(|row| &row.counts) {
             starts.push(starts[starts.len() - 1] + count);
         }
-        let hits = rows.into_iter().flat_map(|(hits, _)| hits).collect();
+        let hits = rows.into_iter().flat_map(|row| row.hits).collect();
         let direct = |i: usize| direct(&tracer, view.x + i % view.width, view.y + i / view.width);
         let direct = (0..view.pixels()).into_par_iter().map(direct).collect();
         Ok(Self { medium: config.medium, view, paths: samples * view.pixels() as u64, direct, hits, starts })

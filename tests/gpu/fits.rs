@@ -11,7 +11,7 @@ use narrowbeam::fit::{ChannelFit, Datum, NAMES, NoiseTerm, Settings, VeilTerm, f
 use narrowbeam::image::Image;
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::Gaussian;
-use narrowbeam::scene::{FitOptions, Gain, Purpose, Scene as SceneFile};
+use narrowbeam::scene::{FitOptions, Gain, ObservedScene};
 use narrowbeam::spread::Model;
 use std::path::Path;
 
@@ -145,7 +145,7 @@ fn one_larger_evaluation_equals_that_of_the_cpu() {
 
 fn dataset(name: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("datasets").join(name).join("scene.toml");
-    let scene = SceneFile::read(&path, Purpose::Fit).unwrap();
+    let scene = ObservedScene::read(&path).unwrap();
     let fit = |backend| {
         let settings = Settings { backend, ..Settings::default() };
         fit_scenes(std::slice::from_ref(&scene), &settings, Filter::Auto).unwrap()

@@ -2,7 +2,7 @@
 
 use crate::folder::{Folder, SCENE, SEEN, SIZE, and, spoilt, texture, with};
 use narrowbeam::image::Image;
-use narrowbeam::scene::{Gain, PartialMedium, Purpose, Scene, Veil};
+use narrowbeam::scene::{Gain, ObservedScene, PartialMedium, Veil};
 
 #[test]
 fn a_missing_file_is_named() {
@@ -10,7 +10,7 @@ fn a_missing_file_is_named() {
     for name in ["object.exr", "depth.exr", "observed.exr", "mask.exr"] {
         folder.refuses(&with(name, "none.exr"), &["none.exr: cannot be read", "No such file"]);
     }
-    let error = Scene::read(&folder.file("none.toml"), Purpose::Fit).unwrap_err().to_string();
+    let error = ObservedScene::read(&folder.file("none.toml")).unwrap_err().to_string();
     assert!(error.contains("none.toml: cannot be read"), "{error}");
 }
 
@@ -149,14 +149,14 @@ fn numbers_of_the_observation_are_checked() {
     for value in ["0", "-0.1", "1.1", "nan"] {
         folder.refuses(&share(value), &["scene.toml", "[observation] hidden_share_max", "at most 1"]);
     }
-    let max = |text: &str| folder.read(text, Purpose::Fit).unwrap().observation.unwrap().hidden_share_max;
+    let max = |text: &str| folder.observed(text).unwrap().observation.hidden_share_max;
     assert_eq!((max(SCENE), max(&share("1"))), (0.01, 1.0));
     for gain in ["0", "-1", "inf"] {
         folder.refuses(&with("noise", &format!("gain = {gain}\nnoise")), &["[observation] gain"]);
     }
     folder.refuses(&with("noise", "veil = nan\nnoise"), &["[observation] veil"]);
-    let scene = folder.read(&with("noise", "gain = \"free\"\nveil = \"free\"\nnoise"), Purpose::Fit).unwrap();
-    let observation = scene.observation.unwrap();
+    let scene = folder.observed(&with("noise", "gain = \"free\"\nveil = \"free\"\nnoise")).unwrap();
+    let observation = scene.observation;
     assert_eq!((observation.gain, observation.veil), (Gain::Free, Veil::Free));
 }
 
@@ -173,7 +173,7 @@ fn an_object_that_shows_nothing_is_refused() {
     folder.put("object.exr", &[("Y", Image::filled(12, 10, 0.0))]);
     folder.refuses(SCENE, &["nothing to fit", "object.exr", "black"]);
     folder.put("object.exr", &[("Y", Image::filled(12, 10, 0.5))]);
-    assert!(folder.read(SCENE, Purpose::Fit).is_ok());
+    assert!(folder.observed(SCENE).is_ok());
     folder.refuses(&with("[camera]", "border = \"clamp\"\n[camera]"), &["object.exr", "uniform"]);
 }
 
@@ -210,8 +210,7 @@ fn a_medium_out_of_range_is_named() {
     folder.refuses(&with("0.95", "[1, 2]"), &["medium.sigma_s", "three for R, G, B"]);
     folder.refuses(&and("spread_angle_deg = 8"), &["[medium] b and spread_angle_deg"]);
     let text = with("b = 0.0049", "spread_angle_deg = 8");
-    let b = folder.read(&text, Purpose::Render).unwrap().media(PartialMedium::default()).unwrap()[0]
-        .parameters()[2];
+    let b = folder.read(&text).unwrap().media(PartialMedium::default()).unwrap()[0].parameters()[2];
     assert!((b - 8f64.to_radians().powi(2) / 4.0).abs() < 1e-15);
 }
 
@@ -225,6 +224,6 @@ fn options_of_the_fit_are_checked() {
     folder.refuses(&and("[fit]\nbounds = { b = 0.1 }"), &["fit.bounds.b", "[low, high]"]);
     folder.refuses(&and("[fit]\nstart = { b = 1 }\nbounds = { b = [0.1, 0.2] }"), &["[fit] start b = 1"]);
     let text = and("[fit]\nstart = { sigma_a = 1 }\nfixed = { sigma_a = 0 }\nbounds = { b = [1e-5, 1] }");
-    let options = folder.read(&text, Purpose::Fit).unwrap().fit[0];
+    let options = folder.observed(&text).unwrap().scene.fit[0];
     assert_eq!((options.fixed[1], options.bounds[2]), (Some(0.0), Some([1e-5, 1.0])));
 }

@@ -2,7 +2,7 @@
 
 use crate::program::write_exr;
 use narrowbeam::image::Image;
-use narrowbeam::scene::{Purpose, Scene};
+use narrowbeam::scene::{ObservedScene, Scene};
 use std::path::PathBuf;
 use tempfile::TempDir;
 
@@ -46,14 +46,21 @@ impl Folder {
         write_exr(&self.file(name), channels);
     }
 
-    pub fn read(&self, text: &str, purpose: Purpose) -> Result<Scene, narrowbeam::Error> {
+    /// The scene to render.
+    pub fn read(&self, text: &str) -> Result<Scene, narrowbeam::Error> {
         std::fs::write(self.file("scene.toml"), text).unwrap();
-        Scene::read(&self.file("scene.toml"), purpose)
+        Scene::read(&self.file("scene.toml"))
+    }
+
+    /// The scene to fit.
+    pub fn observed(&self, text: &str) -> Result<ObservedScene, narrowbeam::Error> {
+        std::fs::write(self.file("scene.toml"), text).unwrap();
+        ObservedScene::read(&self.file("scene.toml"))
     }
 
     /// Asserts that a fit of the scene fails with one line that holds all of `words`.
     pub fn refuses(&self, text: &str, words: &[&str]) {
-        let error = self.read(text, Purpose::Fit).expect_err("bad input");
+        let error = self.observed(text).expect_err("bad input");
         let message = error.to_string();
         assert!(error.is_usage(), "{message}");
         assert!(!message.contains('\n'), "{message}");

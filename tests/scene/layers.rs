@@ -3,7 +3,6 @@
 use crate::folder::{Folder, SIZE, spoilt, texture, with};
 use narrowbeam::geometry::Field;
 use narrowbeam::image::Image;
-use narrowbeam::scene::Purpose;
 
 const LAYER: &str = "[[object.layer]]\nradiance = \"behind.exr\"\ndepth = \"behind_depth.exr\"\n";
 
@@ -31,7 +30,7 @@ fn layers_are_read_nearest_first() {
     // Nothing in one corner, and the object repeated in another.
     folder.put("behind_depth.exr", &[("Z", spoilt(spoilt(flat(3.0), 0, 0, f32::INFINITY), 11, 9, 2.0))]);
     let text = layered(&format!("{LAYER}[[object.layer]]\nradiance = \"last.exr\"\ndepth = 4.5\n"));
-    let scene = folder.read(&text, Purpose::Fit).unwrap();
+    let scene = folder.observed(&text).unwrap().scene;
     assert_eq!(scene.behind, [vec![texture(SIZE), flat(0.25)]]);
     let distances = |x, y| scene.geometry.behind.iter().map(|f| f.distance(x, y)).collect::<Vec<_>>();
     assert_eq!(distances(5, 5), [Some(3.0), Some(4.5)]);
@@ -41,7 +40,7 @@ fn layers_are_read_nearest_first() {
 
 #[test]
 fn without_layers_nothing_is_behind() {
-    let scene = Folder::new().read(crate::folder::SCENE, Purpose::Fit).unwrap();
+    let scene = Folder::new().observed(crate::folder::SCENE).unwrap().scene;
     assert_eq!((scene.behind, scene.geometry.behind), (vec![vec![]], vec![]));
 }
 
@@ -54,7 +53,7 @@ fn each_colour_has_its_own_layers() {
     folder.put("behind.exr", &colours(1.0));
     folder.put("last.exr", &colours(2.0));
     let text = layered(&format!("{LAYER}[[object.layer]]\nradiance = \"last.exr\"\ndepth = 4.5\n"));
-    let behind = folder.read(&text, Purpose::Render).unwrap().behind;
+    let behind = folder.read(&text).unwrap().behind;
     let values: Vec<Vec<f32>> = behind.iter().map(|c| c.iter().map(|i| i.at(3, 3)).collect()).collect();
     assert_eq!(values, [[82.0, 164.0], [71.0, 142.0], [66.0, 132.0]]);
 }
@@ -66,13 +65,13 @@ fn planar_distances_of_layers_are_converted() {
         .replace("pixel_pitch = 0.01", "fov_x_deg = 90")
         .replace("depth = \"depth.exr\"", "depth = 2.0\ndepth_kind = \"planar\"");
     for layer in [text.clone(), text.replace("\"behind_depth.exr\"", "3.0")] {
-        let scene = folder.read(&layer, Purpose::Fit).unwrap();
+        let scene = folder.observed(&layer).unwrap().scene;
         let ratio = scene.geometry.behind[0].at(0, 0) / scene.geometry.object_distance(0, 0).unwrap();
         assert!((ratio - 1.5).abs() < 1e-6, "{ratio}");
     }
     // The same plane twice, once as a number and once as a map: equal but for rounding.
     folder.put("behind_depth.exr", &[("Z", flat(2.0))]);
-    let scene = folder.read(&text, Purpose::Fit).unwrap();
+    let scene = folder.observed(&text).unwrap().scene;
     assert!(matches!(scene.geometry.behind[0], Field::Map(_)));
 }
 
@@ -82,7 +81,7 @@ fn a_layer_seen_through_an_empty_pixel_is_light_to_fit() {
     folder.put("object.exr", &[("Y", flat(0.5))]);
     folder.put("depth.exr", &[("Z", spoilt(flat(2.0), 4, 4, 0.0))]);
     let text = layered(LAYER).replace("depth = \"depth.exr\"", "depth = \"depth.exr\"\nborder = \"clamp\"");
-    assert!(folder.read(&text, Purpose::Fit).is_ok());
+    assert!(folder.observed(&text).is_ok());
     folder.put("behind.exr", &[("Y", flat(0.5))]);
     folder.refuses(&text, &["object.exr", "uniform"]);
 }

@@ -2,7 +2,7 @@
 
 use crate::folder::{Folder, SCENE, and, with};
 use narrowbeam::phase::{Family, PhaseFunction};
-use narrowbeam::scene::{PartialMedium, Purpose, read_truth};
+use narrowbeam::scene::{PartialMedium, read_truth};
 
 const HG: Family = Family::HenyeyGreenstein;
 
@@ -10,7 +10,7 @@ const HG: Family = Family::HenyeyGreenstein;
 fn a_medium_has_the_phase_function_whose_parameter_it_gives() {
     let folder = Folder::new();
     let medium = |text: &str, overrides: PartialMedium| {
-        let medium = folder.read(text, Purpose::Render).unwrap().media(overrides).unwrap()[0];
+        let medium = folder.read(text).unwrap().media(overrides).unwrap()[0];
         (medium.phase().family(), medium.phase().parameter())
     };
     let nothing = PartialMedium::default();
@@ -44,7 +44,7 @@ fn contradictions_in_the_medium_are_named() {
         let text = with("b = 0.0049", &format!("g = {g}"));
         folder.refuses(&text, &["scene.toml", "[medium] g = ", "between 0 and 1"]);
     }
-    let scene = folder.read(&with("b = 0.0049", "phase = \"hg\""), Purpose::Render).unwrap();
+    let scene = folder.read(&with("b = 0.0049", "phase = \"hg\"")).unwrap();
     let message = scene.media(PartialMedium::default()).unwrap_err().to_string();
     assert!(message.contains("[medium] g is missing (or give --g)"), "{message}");
     let wrong = PartialMedium { family: HG, phase_parameter: Some(1.5), ..PartialMedium::default() };
@@ -55,7 +55,7 @@ fn contradictions_in_the_medium_are_named() {
 #[test]
 fn a_fit_names_its_own_phase_function() {
     let folder = Folder::new();
-    let options = |text: &str| folder.read(text, Purpose::Fit).unwrap().fit[0];
+    let options = |text: &str| folder.observed(text).unwrap().scene.fit[0];
     // Whatever the [medium] says.
     let other = with("b = 0.0049", "g = 0.9\nphase = \"hg\"");
     assert_eq!((options(SCENE).family, options(&other).family), (Family::Gaussian, Family::Gaussian));

@@ -3,13 +3,12 @@
 use crate::folder::{Folder, SCENE, SEEN, SIZE, spoilt, texture, with};
 use narrowbeam::geometry::Field;
 use narrowbeam::image::{Image, View};
-use narrowbeam::scene::{Gain, Noise, PartialMedium, Purpose, Veil, read_truth};
+use narrowbeam::scene::{Gain, Noise, ObservedScene, PartialMedium, Veil, read_truth};
 
 #[test]
 fn a_sound_scene_is_read() {
     let folder = Folder::new();
-    let scene = folder.read(SCENE, Purpose::Fit).unwrap();
-    let observation = scene.observation.as_ref().unwrap();
+    let ObservedScene { scene, observation } = folder.observed(SCENE).unwrap();
     assert_eq!((observation.noise.clone(), observation.gain), (Some(Noise::Level(0.002)), Gain::Fixed(1.0)));
     assert_eq!(observation.veil, Veil::Fixed(0.0));
     assert_eq!(scene.view, View { x: 2, y: 2, width: 8, height: 6 });
@@ -23,7 +22,7 @@ fn variances_are_known_or_estimated_with_the_image() {
     let text = with("noise = 0.002", "variance = \"variance.exr\"");
     let variance = |channels: &[(&str, Image)]| {
         folder.put("variance.exr", channels);
-        match folder.read(&text, Purpose::Fit).unwrap().observation.unwrap().noise {
+        match folder.observed(&text).unwrap().observation.noise {
             Some(Noise::Variance(mut channels)) => channels.remove(0),
             other => panic!("{other:?}"),
         }
@@ -50,7 +49,7 @@ fn empty_pixels_of_a_depth_map_hold_no_object() {
         depth = spoilt(depth, x, 0, value);
     }
     folder.put("depth.exr", &[("Z", depth)]);
-    let scene = folder.read(SCENE, Purpose::Fit).unwrap();
+    let scene = folder.observed(SCENE).unwrap().scene;
     let z: Vec<_> = (0..5).map(|x| scene.geometry.path_length(x, 0)).collect();
     assert_eq!(z, [None, None, None, None, Some(2.0)]);
     folder.put("depth.exr", &[("Z", Image::filled(12, 10, 0.0))]);
@@ -62,14 +61,14 @@ fn planar_distances_become_distances_along_the_ray() {
     let folder = Folder::new();
     let text = with("pixel_pitch = 0.01", "fov_x_deg = 90")
         .replace("depth = \"depth.exr\"", "depth = 2.0\ndepth_kind = \"planar\"\nsurface = 0.5");
-    let scene = folder.read(&text, Purpose::Fit).unwrap();
+    let scene = folder.observed(&text).unwrap().scene;
     // At 90 degrees the pixel (0, 0) of 12 x 10 lies at slopes (5.5, 4.5) / 6.
     let stretch = (1.0 + (5.5_f64 * 5.5 + 4.5 * 4.5) / 36.0).sqrt();
     assert!((scene.geometry.object_distance(0, 0).unwrap() - 2.0 * stretch).abs() < 1e-6);
     assert!((scene.geometry.path_length(0, 0).unwrap() - 1.5 * stretch).abs() < 1e-6);
 
     let text = with("depth = \"depth.exr\"", "depth = 2.0\ndepth_kind = \"planar\"");
-    assert_eq!(folder.read(&text, Purpose::Fit).unwrap().geometry.depth, Field::Uniform(2.0));
+    assert_eq!(folder.observed(&text).unwrap().scene.geometry.depth, Field::Uniform(2.0));
 }
 
 #[test]
@@ -79,7 +78,7 @@ fn observed_pixels_may_be_negative_and_where_masked_out_anything() {
     folder.put("observed.exr", &[("Y", noisy)]);
     folder.refuses(SCENE, &["observed.exr", "channel Y", "pixel (3, 4)"]);
     folder.put("mask.exr", &[("Y", spoilt(Image::filled(8, 6, 1.0), 3, 4, 0.0))]);
-    let observation = folder.read(SCENE, Purpose::Fit).unwrap().observation.unwrap();
+    let observation = folder.observed(SCENE).unwrap().observation;
     assert_eq!(observation.image[0].image.at(1, 2), -0.1);
     assert_eq!(observation.image[0].image.at(3, 4), 0.0);
 }
@@ -87,7 +86,7 @@ fn observed_pixels_may_be_negative_and_where_masked_out_anything() {
 #[test]
 fn the_command_line_completes_the_medium() {
     let folder = Folder::new();
-    let scene = folder.read(&with("b = 0.0049", ""), Purpose::Render).unwrap();
+    let scene = folder.read(&with("b = 0.0049", "")).unwrap();
     let message = scene.media(PartialMedium::default()).unwrap_err().to_string();
     assert!(message.contains("scene.toml") && message.contains("[medium] b is missing"), "{message}");
     let given = |sigma_s: f64| PartialMedium {
@@ -109,7 +108,7 @@ fn three_channels_have_three_values() {
     folder.put("observed.exr", &rgb(SEEN));
     let text = with("0.95", "[1, 2, 3]")
         + "[fit]\nstart = { b = [0.1, 0.2, 0.3] }\nbounds = { sigma_s = [[1, 2], [2, 3], [3, 4]] }\n";
-    let scene = folder.read(&text, Purpose::Fit).unwrap();
+    let scene = folder.observed(&text).unwrap().scene;
     let media = scene.media(PartialMedium::default()).unwrap();
     assert_eq!(media.iter().map(|m| m.sigma_s()).collect::<Vec<_>>(), [1.0, 2.0, 3.0]);
     assert_eq!(media[2].sigma_a(), 0.05);
@@ -122,7 +121,7 @@ fn three_channels_have_three_values() {
 fn the_view_is_the_centre_or_where_it_is_put() {
     let folder = Folder::new();
     let at = |offset: &str| with("noise", &format!("offset_px = {offset}\nnoise"));
-    let view = folder.read(&at("[4, 0]"), Purpose::Fit).unwrap().view;
+    let view = folder.observed(&at("[4, 0]")).unwrap().scene.view;
     assert_eq!((view.x, view.y), (4, 0));
     folder.refuses(&at("[5, 0]"), &["scene.toml", "[observation] offset_px = [5, 0]"]);
 }
@@ -132,18 +131,17 @@ fn a_view_needs_no_observed_image_to_be_rendered() {
     let folder = Folder::new();
     let whole = View::whole(SIZE.0, SIZE.1);
     let without = SCENE.split("[observation]").next().unwrap();
-    assert_eq!(folder.read(without, Purpose::Render).unwrap().view, whole);
+    assert_eq!(folder.read(without).unwrap().view, whole);
 
-    let seen = folder.read(SCENE, Purpose::Render).unwrap();
+    let seen = folder.read(SCENE).unwrap();
     assert_eq!((seen.view.width, seen.view.height), SEEN);
-    assert!(seen.observation.is_none());
 
     std::fs::remove_file(folder.file("observed.exr")).unwrap();
-    assert_eq!(folder.read(SCENE, Purpose::Render).unwrap().view, whole);
+    assert_eq!(folder.read(SCENE).unwrap().view, whole);
     let sized = |size: &str| with("noise", &format!("size_px = {size}\nnoise"));
-    let view = folder.read(&sized("[4, 4]"), Purpose::Render).unwrap().view;
+    let view = folder.read(&sized("[4, 4]")).unwrap().view;
     assert_eq!(view, View { x: 4, y: 3, width: 4, height: 4 });
-    let message = folder.read(&sized("[13, 4]"), Purpose::Render).unwrap_err().to_string();
+    let message = folder.read(&sized("[13, 4]")).unwrap_err().to_string();
     assert!(message.contains("[observation] size_px = [13, 4]"), "{message}");
 
     let folder = Folder::new();

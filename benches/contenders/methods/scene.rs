@@ -96,7 +96,7 @@ impl Scene {
     /// Radius in px beyond which less than `outside` of any pixel's scattered light falls.
     pub fn reach_px(&self, outside: f64) -> f64 {
         let far = self.depths(1).far();
-        let kernel = self.optics().kernel(far).expect("a Gaussian lobe suits every model");
+        let kernel = self.optics().kernel(far).expect("a Gaussian phase function suits every model");
         kernel.support(outside) / self.pitch()
     }
 
@@ -107,7 +107,7 @@ impl Scene {
         let slices = Slices::for_tolerance(0.0, &nodes, &self.optics(), SLICE_TOLERANCE);
         let most = MOST_PADDED_PX.saturating_sub(self.n).max(2 * self.n);
         let padded = self.n + (self.reach_px(OUTSIDE[1]).ceil() as usize).min(most);
-        (slices.expect("a Gaussian lobe suits every model").nodes.len(), fast_size(padded))
+        (slices.expect("a Gaussian phase function suits every model").nodes.len(), fast_size(padded))
     }
 
     /// The image by a slice for each depth.

@@ -2,8 +2,9 @@
 
 use crate::error::Result;
 use crate::image::Image;
-use crate::lab::study::stability::{Trial, Verdict};
+use crate::lab::study::stability::Verdict;
 use crate::lab::study::sweeps::{Extent, METHODS};
+use crate::lab::study::trial::Trial;
 use crate::phase::PhaseFunction;
 use crate::plots::{Axis, ChartGrid, LineChart, Map, MapGrid, MapRow, Series, Shade};
 use std::path::Path;
@@ -22,32 +23,22 @@ pub(super) const FILES: [&str; 6] = [
 const COLUMNS: usize = 5;
 
 pub(super) fn write(dir: &Path, trials: &[Trial], extent: &Extent) -> Result<()> {
-    let shade = Shade::Bands { max: 100.0, decades: 4, per_decade: 1 };
-    let error = |t: &Trial| 100.0 * t.outcome.worst().unwrap_or(f64::NAN);
-    let errors = maps(
-        trials,
-        extent,
-        (
-            "Worst error of sigma_s, sigma_a z and B against traced images; outlined: where the program gives no warning",
-            shade,
-        ),
-        "worst error (%), gray: nothing determined",
-        &error,
-    );
+    let errors = Shown {
+        title: "Worst error of sigma_s, sigma_a z and B against traced images; outlined: where the program gives no warning",
+        shade: Shade::Bands { max: 100.0, decades: 4, per_decade: 1 },
+        label: "worst error (%), gray: nothing determined",
+        value: |t| 100.0 * t.outcome.worst().unwrap_or(f64::NAN),
+    };
+    let errors = errors.maps(trials, extent);
     errors.write_png(&dir.join(FILES[0]))?;
     errors.write_svg(&dir.join(FILES[1]))?;
-    let shade = Shade::Sequential { max: Verdict::Silent as u8 as f64 };
-    let verdict = |t: &Trial| f64::from(t.outcome.verdict() as u8);
-    let verdicts = maps(
-        trials,
-        extent,
-        (
-            "What the program says of its own fits to traced images; outlined: within what it states, no warning",
-            shade,
-        ),
-        "0 right  1 right but warned  2 undetermined  3 warned  4 refused  5 silent failure",
-        &verdict,
-    );
+    let verdicts = Shown {
+        title: "What the program says of its own fits to traced images; outlined: within what it states, no warning",
+        shade: Shade::Sequential { max: Verdict::Silent as u8 as f64 },
+        label: "0 right  1 right but warned  2 undetermined  3 warned  4 refused  5 silent failure",
+        value: |t| f64::from(t.outcome.verdict() as u8),
+    };
+    let verdicts = verdicts.maps(trials, extent);
     verdicts.write_png(&dir.join(FILES[2]))?;
     verdicts.write_svg(&dir.join(FILES[3]))?;
     let sweeps = curves(trials);
@@ -55,38 +46,43 @@ pub(super) fn write(dir: &Path, trials: &[Trial], extent: &Extent) -> Result<()>
     sweeps.write_svg(&dir.join(FILES[5]))
 }
 
-/// A map of `value` over the grid for each method.
-fn maps(
-    trials: &[Trial],
-    extent: &Extent,
-    (title, shade): (&str, Shade),
-    value_label: &str,
-    value: &dyn Fn(&Trial) -> f64,
-) -> MapGrid {
-    let (width, height) = (extent.tau.len(), extent.spread_angle_deg.len());
-    let map = |(m, name): (usize, String)| {
-        let at = |x: usize, y: usize| &trials[(x * height + y) * METHODS.len() + m];
-        let quiet = |i: usize| at(i % width, i / width).outcome.verdict() == Verdict::Right;
-        Map {
-            title: name,
-            values: Image::from_fn(width, height, |x, y| value(at(x, y)) as f32),
-            region: (0..width * height).map(quiet).collect(),
+/// What maps over the grid show.
+struct Shown {
+    title: &'static str,
+    shade: Shade,
+    /// What the numbers are.
+    label: &'static str,
+    value: fn(&Trial) -> f64,
+}
+
+impl Shown {
+    /// A map for each method.
+    fn maps(&self, trials: &[Trial], extent: &Extent) -> MapGrid {
+        let (width, height) = (extent.tau.len(), extent.spread_angle_deg.len());
+        let map = |(m, name): (usize, String)| {
+            let at = |x: usize, y: usize| &trials[(x * height + y) * METHODS.len() + m];
+            let quiet = |i: usize| at(i % width, i / width).outcome.verdict() == Verdict::Right;
+            Map {
+                title: name,
+                values: Image::from_fn(width, height, |x, y| (self.value)(at(x, y)) as f32),
+                region: (0..width * height).map(quiet).collect(),
+            }
+        };
+        let names: Vec<(usize, String)> = METHODS.iter().map(|m| m.name()).enumerate().collect();
+        let row = |names: &[(usize, String)]| MapRow {
+            label: "log10 of the spread angle (degrees)".into(),
+            maps: names.iter().cloned().map(map).collect(),
+        };
+        MapGrid {
+            title: self.title.into(),
+            rows: names.chunks(COLUMNS).map(row).collect(),
+            x_label: "log10 of tau".into(),
+            x: cells(&extent.tau),
+            y: cells(&extent.spread_angle_deg),
+            parted_at: None,
+            shade: self.shade,
+            value_label: self.label.into(),
         }
-    };
-    let names: Vec<(usize, String)> = METHODS.iter().map(|m| m.name()).enumerate().collect();
-    let row = |names: &[(usize, String)]| MapRow {
-        label: "log10 of the spread angle (degrees)".into(),
-        maps: names.iter().cloned().map(map).collect(),
-    };
-    MapGrid {
-        title: title.into(),
-        rows: names.chunks(COLUMNS).map(row).collect(),
-        x_label: "log10 of tau".into(),
-        x: cells(&extent.tau),
-        y: cells(&extent.spread_angle_deg),
-        parted_at: None,
-        shade,
-        value_label: value_label.into(),
     }
 }
 
@@ -98,23 +94,31 @@ fn cells(values: &[f64]) -> std::ops::Range<f64> {
 }
 
 /// The sweeps that have a number to stand over, and what that is.
-const CURVES: [(&str, &str, bool); 7] = [
-    ("noise", "noise over mean radiance", false),
-    ("kernel width", "kernel width z sqrt(B) (px)", true),
-    ("depth error", "error of the depth, stated", false),
-    ("gain error", "error of the gain, stated", false),
-    ("Henyey-Greenstein g", "g of the true lobe, Henyey-Greenstein", false),
-    ("varying sigma_s", "relative change of sigma_s, centre to side", true),
-    ("saturated share", "share of saturated pixels", true),
+const CURVES: [Curve; 7] = [
+    Curve { sweep: "noise", label: "noise over mean radiance", log: false },
+    Curve { sweep: "kernel width", label: "kernel width z sqrt(B) (px)", log: true },
+    Curve { sweep: "depth error", label: "error of the depth, stated", log: false },
+    Curve { sweep: "gain error", label: "error of the gain, stated", log: false },
+    Curve { sweep: "Henyey-Greenstein g", label: "g of the true medium, Henyey-Greenstein", log: false },
+    Curve { sweep: "varying sigma_s", label: "relative change of sigma_s, centre to side", log: true },
+    Curve { sweep: "saturated share", label: "share of saturated pixels", log: true },
 ];
+
+struct Curve {
+    sweep: &'static str,
+    /// What the number is.
+    label: &'static str,
+    /// Whether its axis is logarithmic.
+    log: bool,
+}
 
 /// The worst error along each sweep; a row a sweep, a column for each medium.
 fn curves(trials: &[Trial]) -> ChartGrid {
-    let row = |&(sweep, label, log): &(&str, &str, bool)| {
-        let here: Vec<&Trial> = trials.iter().filter(|t| t.sweep == sweep).collect();
+    let row = |curve: &Curve| {
+        let here: Vec<&Trial> = trials.iter().filter(|t| t.place.sweep == curve.sweep).collect();
         let mut media: Vec<f64> = here.iter().map(|t| t.setting.medium.phase().parameter()).collect();
         media.dedup();
-        media.into_iter().map(|b| chart(&here, b, label, log)).collect()
+        media.into_iter().map(|b| chart(&here, b, curve)).collect()
     };
     ChartGrid {
         title: "Worst error of sigma_s, sigma_a z and B; tau 1.5, images traced".into(),
@@ -122,7 +126,7 @@ fn curves(trials: &[Trial]) -> ChartGrid {
     }
 }
 
-fn chart(trials: &[&Trial], b: f64, label: &str, log: bool) -> LineChart {
+fn chart(trials: &[&Trial], b: f64, curve: &Curve) -> LineChart {
     let here = || trials.iter().filter(|t| t.setting.medium.phase().parameter() == b);
     let mut methods: Vec<String> = here().map(|t| t.method.name()).collect();
     methods.sort();
@@ -131,15 +135,18 @@ fn chart(trials: &[&Trial], b: f64, label: &str, log: bool) -> LineChart {
         .iter()
         .map(|name| {
             let mine = here().filter(|t| t.method.name() == *name);
-            Series::line(name, mine.filter_map(|t| Some((t.level, 100.0 * t.outcome.worst()?))).collect())
+            Series::line(
+                name,
+                mine.filter_map(|t| Some((t.place.level, 100.0 * t.outcome.worst()?))).collect(),
+            )
         })
         .collect();
     let wide = here().filter(|t| t.method.name() == "wide-angle");
-    let allowed = wide.filter_map(|t| Some((t.level, 100.0 * t.outcome.allowed()?)));
+    let allowed = wide.filter_map(|t| Some((t.place.level, 100.0 * t.outcome.allowed()?)));
     series.push(Series::line("wide-angle: 4 standard errors + model error", allowed.collect()));
     LineChart {
         title: format!("spread angle {:.0}°", (4.0 * b).sqrt().to_degrees()),
-        x: Axis { label: label.into(), log },
+        x: Axis { label: curve.label.into(), log: curve.log },
         y: Axis { label: "worst error (%)".into(), log: true },
         series,
     }

@@ -6,5 +6,6 @@ pub mod chart;
 pub mod setting;
 pub mod stability;
 pub mod sweeps;
+pub mod trial;
 
 pub use setting::{Setting, Texture};

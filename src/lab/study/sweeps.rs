@@ -1,7 +1,8 @@
 //! The images of the stability study: a grid of media, and one thing after the other gone wrong.
 
 use super::setting::{Setting, Texture};
-use super::stability::{Method, Trial};
+use super::stability::Method;
+use super::trial::{Place, Trial};
 use crate::error::Result;
 use crate::fit::Method as Solver;
 use crate::fit::noise::with_noise;
@@ -100,7 +101,7 @@ pub fn grid(extent: &Extent, seed: u64, tick: Tick) -> Result<Vec<Trial>> {
             let seed = seed + (i * extent.spread_angle_deg.len() + j) as u64;
             let image = setting.trace(*setting.medium.phase(), extent.samples, seed)?.mean;
             let scene = setting.scene(image, None)?;
-            trials.extend(fits("grid", (tau, String::new()), &setting, &scene, &METHODS, &Quantity::MEDIUM));
+            trials.extend(fits(&Place::at("grid", tau), &setting, &scene, &METHODS, &Quantity::MEDIUM));
             tick(1);
         }
     }
@@ -108,17 +109,14 @@ pub fn grid(extent: &Extent, seed: u64, tick: Tick) -> Result<Vec<Trial>> {
 }
 
 fn fits(
-    sweep: &'static str,
-    (level, label): (f64, String),
+    place: &Place,
     setting: &Setting,
     scene: &ObservedScene,
     methods: &[Method],
     compared: &[Quantity],
 ) -> Vec<Trial> {
     let one = |&method: &Method| Trial {
-        sweep,
-        level,
-        label: label.clone(),
+        place: place.clone(),
         setting: *setting,
         method,
         outcome: method.try_on(scene, setting, compared),
@@ -180,7 +178,7 @@ impl Sweeps<'_> {
         let mut trials = Vec::new();
         for level in [0.0, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2] {
             let scene = self.base.scene(with_noise(clean, level * clean.mean(), self.seed), None)?;
-            trials.extend(fits("noise", (level, String::new()), &self.base, &scene, &SWEPT, &Quantity::MEDIUM));
+            trials.extend(fits(&Place::at("noise", level), &self.base, &scene, &SWEPT, &Quantity::MEDIUM));
         }
         Ok(trials)
     }
@@ -198,9 +196,9 @@ impl Sweeps<'_> {
                 };
                 let options = &mut scene.scene.fit[0];
                 *options = options.started_at(|quantity| self.base.truth(quantity) * off(quantity));
-                let place =
-                    (decades + 10.0 * i as f64, format!("sigma_s x {of_sigma_s:.3}, B x {of_b:.3}"));
-                trials.extend(fits("start", place, &self.base, &scene, &SOLVED, &Quantity::MEDIUM));
+                let label = format!("sigma_s x {of_sigma_s:.3}, B x {of_b:.3}");
+                let place = Place { label, ..Place::at("start", decades + 10.0 * i as f64) };
+                trials.extend(fits(&place, &self.base, &scene, &SOLVED, &Quantity::MEDIUM));
             }
         }
         Ok(trials)
@@ -211,8 +209,8 @@ impl Sweeps<'_> {
         for (i, texture) in Texture::ALL.into_iter().enumerate() {
             let setting = Setting { texture, ..self.base };
             let scene = self.noisy(&setting, &self.trace(&setting)?)?;
-            let place = (i as f64, texture.name().to_string());
-            trials.extend(fits("texture", place, &setting, &scene, &SWEPT, &Quantity::MEDIUM));
+            let place = Place { label: texture.name().into(), ..Place::at("texture", i as f64) };
+            trials.extend(fits(&place, &setting, &scene, &SWEPT, &Quantity::MEDIUM));
         }
         Ok(trials)
     }
@@ -224,14 +222,7 @@ impl Sweeps<'_> {
         for width_px in [0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 2.0 * self.base.side as f64] {
             let setting = Setting { pixel_pitch: width / width_px, ..self.base };
             let scene = self.noisy(&setting, &self.trace(&setting)?)?;
-            trials.extend(fits(
-                "kernel width",
-                (width_px, String::new()),
-                &setting,
-                &scene,
-                &SWEPT,
-                &Quantity::MEDIUM,
-            ));
+            trials.extend(fits(&Place::at("kernel width", width_px), &setting, &scene, &SWEPT, &Quantity::MEDIUM));
         }
         Ok(trials)
     }
@@ -244,13 +235,13 @@ impl Sweeps<'_> {
             let Setting { side, pixel_pitch, z, .. } = self.base;
             scene.scene.geometry = Geometry::planar(side, side, pixel_pitch, z * (1.0 + error))?;
             scene.scene.depth_error = error;
-            trials.extend(fits("depth error", (error, String::new()), &self.base, &scene, &SWEPT, &Quantity::MEDIUM));
+            trials.extend(fits(&Place::at("depth error", error), &self.base, &scene, &SWEPT, &Quantity::MEDIUM));
 
             let mut brighter = clean.clone();
             brighter.data.iter_mut().for_each(|v| *v *= 1.0 + error as f32);
             let mut scene = self.noisy(&self.base, &brighter)?;
             scene.observation.gain_error = error;
-            trials.extend(fits("gain error", (error, String::new()), &self.base, &scene, &SWEPT, &Quantity::MEDIUM));
+            trials.extend(fits(&Place::at("gain error", error), &self.base, &scene, &SWEPT, &Quantity::MEDIUM));
         }
         Ok(trials)
     }
@@ -262,10 +253,8 @@ impl Sweeps<'_> {
             let image = self.base.trace(HenyeyGreenstein::new(g)?, self.samples, self.seed)?.mean;
             (self.tick)(1);
             let scene = self.noisy(&self.base, &image)?;
-            let place = (g, String::new());
             trials.extend(fits(
-                "Henyey-Greenstein g",
-                place,
+                &Place::at("Henyey-Greenstein g", g),
                 &self.base,
                 &scene,
                 &SWEPT,
@@ -294,8 +283,7 @@ impl Sweeps<'_> {
                 (1.0 - t) * renders[k].at(x, y) + t * renders[(k + 1).min(SHARES - 1)].at(x, y)
             });
             let scene = self.noisy(&self.base, &image)?;
-            let place = (change, String::new());
-            trials.extend(fits("varying sigma_s", place, &self.base, &scene, &SWEPT, &Quantity::MEDIUM));
+            trials.extend(fits(&Place::at("varying sigma_s", change), &self.base, &scene, &SWEPT, &Quantity::MEDIUM));
         }
         Ok(trials)
     }
@@ -310,14 +298,7 @@ impl Sweeps<'_> {
             sorted.sort_by(f32::total_cmp);
             let top = sorted[((1.0 - share) * (sorted.len() - 1) as f64) as usize];
             image.data.iter_mut().for_each(|v| *v = v.min(top));
-            trials.extend(fits(
-                "saturated share",
-                (share, String::new()),
-                &self.base,
-                &scene,
-                &SWEPT,
-                &Quantity::MEDIUM,
-            ));
+            trials.extend(fits(&Place::at("saturated share", share), &self.base, &scene, &SWEPT, &Quantity::MEDIUM));
         }
         Ok(trials)
     }

@@ -53,6 +53,14 @@ pub struct Rendered {
     pub error: Estimate,
 }
 
+/// The images of all channels, and how long they took.
+struct Made {
+    images: Vec<Image>,
+    /// Time of what is done once for many media; `None` if there is nothing to do.
+    preparation: Option<Timing>,
+    render: Timing,
+}
+
 impl Dataset {
     /// Every way in which to render it by one of `backends` backends, or to trace it.
     pub(super) fn ways(&self, backends: usize, effort: &Effort) -> Vec<Way> {
@@ -71,11 +79,7 @@ impl Dataset {
     }
 
     /// Renders it in the true medium, with the time that the preparation took and that of the renders.
-    fn render(
-        &self,
-        (model, filter, backend): (Model, Filter, Backend),
-        effort: &Effort,
-    ) -> Result<(Vec<Image>, Option<Timing>, Timing)> {
+    fn render(&self, model: Model, filter: Filter, backend: Backend, effort: &Effort) -> Result<Made> {
         let relief = filter.relief(&self.scene().geometry);
         let channels = || 0..self.truth.len();
         let prepare =
@@ -88,11 +92,11 @@ impl Dataset {
         let render = |c: usize| prepared[c].render(&self.optics(model, c));
         render(0)?;
         let (images, rendering) = effort.time(|| channels().map(render).collect::<Result<Vec<Image>>>())?;
-        Ok((images, Some(preparation), rendering))
+        Ok(Made { images, preparation: Some(preparation), render: rendering })
     }
 
     /// Traces it in the true medium.
-    fn trace(&self, samples: u32, effort: &Effort) -> Result<(Vec<Image>, Timing)> {
+    fn trace(&self, samples: u32, effort: &Effort) -> Result<Made> {
         let trace = |(c, truth): (usize, &Medium)| {
             let config = ImageConfig {
                 geometry: &self.scene().geometry,
@@ -106,7 +110,8 @@ impl Dataset {
             };
             Ok(trace_image(&config, &|_| ())?.mean)
         };
-        effort.time(|| self.truth.iter().enumerate().map(trace).collect())
+        let (images, render) = effort.time(|| self.truth.iter().enumerate().map(trace).collect())?;
+        Ok(Made { images, preparation: None, render })
     }
 }
 
@@ -122,17 +127,17 @@ impl Way {
     /// Renders `set` in its medium.
     pub(super) fn try_on(self, set: &Dataset, backends: &[Backend], effort: &Effort) -> RenderTrial {
         let found = match self {
-            Self::Filter { model, filter, backend } => set.render((model, filter, backends[backend]), effort),
-            Self::Trace { samples } => set.trace(samples, effort).map(|(images, time)| (images, None, time)),
+            Self::Filter { model, filter, backend } => set.render(model, filter, backends[backend], effort),
+            Self::Trace { samples } => set.trace(samples, effort),
         };
         let backend = match self {
             Self::Filter { backend, .. } => backends[backend].name(),
             Self::Trace { .. } => Backend::Cpu.name(),
         };
-        let outcome = found.map(|(images, preparation, render)| Rendered {
-            preparation,
-            render,
-            error: set.error_of(&images).error,
+        let outcome = found.map(|made| Rendered {
+            preparation: made.preparation,
+            render: made.render,
+            error: set.error_of(&made.images).error,
         });
         RenderTrial { way: self, backend, outcome: outcome.map_err(|error| error.to_string()) }
     }
@@ -148,7 +153,7 @@ mod tests {
 
     fn error(set: &Dataset, model: Model, filter: Filter) -> Estimate {
         let effort = Effort { runs: 1, patience: 0.0, samples: Vec::new() };
-        set.error_of(&set.render((model, filter, Backend::Cpu), &effort).unwrap().0).error
+        set.error_of(&set.render(model, filter, Backend::Cpu, &effort).unwrap().images).error
     }
 
     #[test]
@@ -180,7 +185,7 @@ mod tests {
     fn more_paths_err_less_as_the_root_of_their_number() {
         let set = set("wide-30");
         let effort = Effort { runs: 1, patience: 0.0, samples: Vec::new() };
-        let error = |samples| set.error_of(&set.trace(samples, &effort).unwrap().0).error.value;
+        let error = |samples| set.error_of(&set.trace(samples, &effort).unwrap().images).error.value;
         let ratio = error(8) / error(128);
         // 4096 pixels scatter by 1/sqrt(2 x 4096) = 1.1 % each if they are normal; they are skewed, hence the room.
         assert!((ratio / 4.0 - 1.0).abs() < 0.1, "{ratio}");

@@ -1,0 +1,77 @@
+//! Fits along sweeps, and how many of them fail silently or are warned of without need.
+
+use super::Setting;
+use super::stability::{Method, Outcome};
+
+/// A place on a sweep.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Place {
+    /// Name of the sweep.
+    pub sweep: &'static str,
+    /// Where on it.
+    pub level: f64,
+    /// That in words, where a number does not say it.
+    pub label: String,
+}
+
+impl Place {
+    /// A place that a number tells.
+    pub fn at(sweep: &'static str, level: f64) -> Self {
+        Self { sweep, level, label: String::new() }
+    }
+}
+
+/// One fit.
+#[derive(Debug, Clone)]
+pub struct Trial {
+    /// Where it stands.
+    pub place: Place,
+    /// The plane and its medium.
+    pub setting: Setting,
+    /// How it was fitted.
+    pub method: Method,
+    /// How that ended.
+    pub outcome: Outcome,
+}
+
+/// Sweeps along which the world is not what the scene says: a warning is never out of place there.
+const FAULTY: [&str; 5] =
+    ["depth error", "gain error", "Henyey-Greenstein g", "varying sigma_s", "saturated share"];
+
+impl Trial {
+    /// Whether the world is what the scene says.
+    pub fn is_sound(&self) -> bool {
+        !FAULTY.contains(&self.place.sweep)
+    }
+}
+
+/// What the rule of no silent failure asks of `trials`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Tally {
+    /// All fits.
+    pub fits: usize,
+    /// Those that were wrong without a word.
+    pub silent: usize,
+    /// Those in a sound world that are right, inside the model's validity.
+    pub right: usize,
+    /// Those among them that carry a warning.
+    pub wolves: usize,
+}
+
+impl Tally {
+    /// Counts `trials`.
+    pub fn of(trials: &[Trial]) -> Self {
+        let count = |f: &dyn Fn(&Trial) -> bool| trials.iter().filter(|t| f(t)).count();
+        let wolf = |t: &Trial| t.is_sound() && t.outcome.cries_wolf();
+        Self {
+            fits: trials.len(),
+            silent: count(&|t| t.outcome.is_silent_failure()),
+            right: count(&|t| {
+                t.is_sound()
+                    && t.outcome.is_right()
+                    && (t.outcome.warnings.is_empty() || t.outcome.cries_wolf())
+            }),
+            wolves: count(&wolf),
+        }
+    }
+}
