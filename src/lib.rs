@@ -86,6 +86,17 @@
 //! | [`trace`] | photon tracer: the independent witness, uses neither `spread` nor `filter` nor `fit` |
 //! | [`scene`], [`io`] | scene files; EXR and PNG |
 //! | [`error`](mod@error) | every refusal, naming the culprit |
+//!
+//! # Features
+//!
+//! All are on by default. Without them the crate computes on the CPU: kernels, filter, tracer, scene files, fits and reports.
+//!
+//! | feature | what it adds |
+//! | --- | --- |
+//! | `gpu` | [`gpu`]: renders and fits on a graphics adapter |
+//! | `plots` | `plots`: figures as PNG and SVG |
+//! | `lab` | `lab`: studies, the paper's experiments, the maker of tables |
+//! | `cli` | `cli`, and the program `narrowbeam`, which needs all others |
 
 mod chebyshev;
 #[cfg(feature = "cli")]

@@ -162,11 +162,30 @@ fn a_directory_that_cannot_be_written() {
 #[test]
 fn unknown_names_and_bare_usage() {
     let shop = sound();
-    for arguments in
-        ["fit scene.toml --model wide", "fit scene.toml --filter best", "fit", "", "melt scene.toml"]
-    {
+    for (arguments, words) in [
+        ("fit scene.toml --model wide", &["wide", "--model", "auto", "small-angle", "traced"][..]),
+        ("fit scene.toml --filter best", &["best", "--filter", "auto", "eq29", "composite"]),
+        ("fit scene.toml --backend tpu", &["tpu", "--backend", "auto", "cpu", "gpu"]),
+        ("fit scene.toml --solver best", &["best", "--solver", "levenberg-marquardt", "nelder-mead"]),
+        ("table --phase mie --out t", &["mie", "--phase", "gaussian", "hg"]),
+        ("fit", &["SCENE.toml"]),
+        ("", &["Usage"]),
+        ("melt scene.toml", &["melt"]),
+    ] {
         let run = shop.run(arguments);
         assert_eq!(run.code, 2, "{arguments}: {}", run.stderr);
+        for word in words {
+            assert!(run.stderr.contains(word), "{arguments}: {word} is not in: {}", run.stderr);
+        }
+    }
+}
+
+#[test]
+fn the_traced_model_where_a_kernel_is_needed() {
+    let run = sound().run("forecast scene.toml --model traced --noise 0.01");
+    assert_eq!(run.code, 2, "{}", run.stderr);
+    for word in ["--model", "traced", "no kernel", "narrowbeam fit or render"] {
+        assert!(run.stderr.contains(word), "{word} is not in: {}", run.stderr);
     }
 }
 

@@ -179,7 +179,7 @@ fn bad_values_are_refused_by_option_before_anything_is_written() {
 #[test]
 fn unknown_models_and_media_beyond_the_table_are_refused_by_name() {
     let dir = tempfile::tempdir().unwrap();
-    refuses(dir.path(), &with(&["--model", "sharp"]), &["--model", "unknown model sharp", "small-angle"]);
+    refuses(dir.path(), &with(&["--model", "sharp"]), &["--model", "'sharp'", "small-angle"]);
     let mut thick = with(&["--model", "wide-angle"]);
     let at = thick.iter().position(|a| *a == "--sigma-s").unwrap();
     thick[at + 1] = "1000";
