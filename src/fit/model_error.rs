@@ -20,7 +20,7 @@ use nalgebra::{Matrix3, Vector3};
 /// What every other model is measured against.
 const REFERENCE: Model = Model::WideAngle;
 /// Error of its scattered total: over 40 random media the largest that stands out of the noise of fresh tracing is .17 %,
-/// at tau 7.2, for the Gaussian (with `--ignored`); .3 % for Henyey-Greenstein's lobe (`cargo test --release --test wide_angle -- --nocapture`).
+/// at tau 7.2, for the Gaussian (with `--ignored`); .3 % for Henyey-Greenstein's lobe (`cargo test --release --test it wide_angle:: -- --nocapture`).
 fn reference_error(family: Family) -> f64 {
     match family {
         Family::Gaussian => 0.002,
@@ -37,7 +37,7 @@ fn width_error(family: Family) -> f64 {
         Family::HenyeyGreenstein => 0.02,
     }
 }
-/// The bias is of first order: it foretells errors of up to 10 % to a quarter (tests/ladder.rs).
+/// The bias is of first order: it foretells errors of up to 10 % to a quarter (tests/it/ladder.rs).
 const MARGIN: f64 = 1.25;
 /// Squared planar widths (rad², B of a Gaussian) of the lobes for which the error of a model without a width is reckoned, where
 /// none is given: the worst counts.

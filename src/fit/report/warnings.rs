@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 const WIDE_KERNEL: f64 = 0.5;
 /// Standard errors by which the data must want a parameter beyond its bound before that is no accident.
 const PRESSED: f64 = 3.0;
-/// tau up to which fits by `traced` are known to come back (tests/traced_planes.rs), with a margin for the estimate's error.
+/// tau up to which fits by `traced` are known to come back (tests/it/traced_planes.rs), with a margin for the estimate's error.
 const THICKEST: f64 = 16.0;
 /// Predicted error of a logarithm, or of sigma_a z, above which a model is said to be the wrong one.
 const LARGE_MODEL_ERROR: f64 = 0.1;
