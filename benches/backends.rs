@@ -14,7 +14,7 @@
 //! ```
 
 mod common;
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/it/common/mod.rs"]
 mod scenes;
 
 use common::fft_seconds;

@@ -7,7 +7,7 @@
 //! times with one covering. Derivatives are stated only.
 
 mod common;
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/it/common/mod.rs"]
 mod scenes;
 
 use common::{best_of, fft_seconds};

@@ -6,7 +6,7 @@
 //! images of the basis at the rate at which one product of two such blocks is summed. Reading files and writing results are not part of this.
 
 mod common;
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/it/common/mod.rs"]
 mod scenes;
 
 use common::{best_of, fft_seconds};

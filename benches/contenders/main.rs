@@ -9,7 +9,7 @@
 //! ```
 
 mod chart;
-#[path = "../../tests/common/mod.rs"]
+#[path = "../../tests/it/common/mod.rs"]
 mod common;
 mod methods;
 mod row;

@@ -7,7 +7,7 @@
 //!
 //! Paths of one set of shapes, shared by all pixels, would all err alike, and no number of pixels averages that out; of own paths
 //! the errors are white. Sharing saves the drawing of the paths, not the way to the surface, and loses even at equal time
-//! (docs/wide-angle.md, tests/traced_shapes.rs).
+//! (docs/wide-angle.md, tests/it/traced_shapes.rs).
 
 use super::image::{ImageConfig, checked};
 use super::likelihood::{Effective, Information, Likelihood, Reweighting};

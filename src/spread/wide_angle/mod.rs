@@ -3,7 +3,7 @@
 //! In units of the path length z a medium is three numbers: tau = sigma_s z, a = sigma_a z and the parameter of the phase
 //! function, B or g; D is the root of its [mean-square scattering angle](crate::phase::Family::mean_square_angle). The table of a
 //! family holds, at nodes of them, the kernel as a mixture of positive Gaussians of widths s_j = x_j z w, w the planar width of the phase function, which
-//! the small-angle kernel is exactly and the true one within the errors that `tests/wide_angle.rs` prints:
+//! the small-angle kernel is exactly and the true one within the errors that `tests/it/wide_angle.rs` prints:
 //!
 //! ```text
 //! M(k) - T = W sum_j p_j exp(-s_j² k²/2),      sum p_j = 1,

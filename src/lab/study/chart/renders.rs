@@ -159,7 +159,7 @@ mod tests {
     #[test]
     fn the_right_model_in_the_true_medium_is_within_the_noise_and_a_wrong_medium_is_not() {
         let mut set = set("wide-30");
-        // The table's light is good to .2 % (tests/wide_angle.rs), the floor is that of the observation's noise.
+        // The table's light is good to 0.2 % (tests/it/wide_angle.rs), the floor is that of the observation's noise.
         let right = error(&set, Model::WideAngle, Filter::Eq29);
         assert!(right.value < 3.0 * set.floor() + 0.002, "{right:?}, floor {}", set.floor());
         assert!(error(&set, Model::SmallAngle, Filter::Eq29).value > 0.02);

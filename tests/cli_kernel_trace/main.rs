@@ -1,6 +1,0 @@
-//! `narrowbeam kernel` and `narrowbeam trace` as users meet them: files, headers, exit codes, messages.
-
-mod kernel;
-#[path = "../common/program.rs"]
-mod program;
-mod trace;

@@ -1,0 +1,11 @@
+//! The program as its users run it: exit codes, files, messages.
+
+mod bad_input;
+mod chart;
+mod fit;
+mod phase;
+mod render;
+mod studies;
+mod synthesize;
+mod table;
+mod workshop;

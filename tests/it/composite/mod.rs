@@ -1,0 +1,8 @@
+//! The composite filter: against its definition, against what must hold whatever the kernel, and against traced light.
+
+mod definition;
+mod invariants;
+mod relief;
+mod scenes;
+mod small_angle_paths;
+mod traced;

@@ -1,0 +1,112 @@
+//! Noise given as a variance image: traced images are fitted with the variance that was traced with them.
+
+use crate::common::program::write_exr;
+use narrowbeam::filter::Filter;
+use narrowbeam::fit::scenes::fit_scenes;
+use narrowbeam::fit::{ChannelFit, NAMES, Settings};
+use narrowbeam::image::Image;
+use narrowbeam::lab::study::{Setting, Texture};
+use narrowbeam::medium::Medium;
+use narrowbeam::scene::ObservedScene;
+use narrowbeam::spread::Model;
+use std::sync::LazyLock;
+use tempfile::TempDir;
+
+static PLANE: LazyLock<Setting> = LazyLock::new(|| Setting {
+    texture: Texture::Checker,
+    side: 48,
+    pixel_pitch: 0.03,
+    z: 2.0,
+    medium: Medium::gaussian(0.7, 0.15, 0.004).unwrap(),
+});
+
+const SCENE: &str = "[object]
+radiance = \"object.exr\"
+depth = 2.0
+[camera]
+pixel_pitch = 0.03
+[observation]
+image = \"observed.exr\"
+";
+
+/// The fit of `observed`, by way of files, with what `[observation]` further says in `keys`.
+fn fit(observed: &Image, variance: &[(&str, Image)], keys: &str) -> ChannelFit {
+    let folder = TempDir::new().unwrap();
+    let file = |name: &str| folder.path().join(name);
+    write_exr(&file("object.exr"), &[("Y", PLANE.texture.image(PLANE.side))]);
+    let channels: Vec<(&str, Image)> = variance
+        .iter()
+        .cloned()
+        .chain([("Y", observed.clone())])
+        .filter(|(name, _)| *name != "known")
+        .collect();
+    write_exr(&file("observed.exr"), &channels);
+    if let Some((_, known)) = variance.iter().find(|(name, _)| *name == "known") {
+        write_exr(&file("known.exr"), &[("Y", known.clone())]);
+    }
+    std::fs::write(file("scene.toml"), format!("{SCENE}{keys}")).unwrap();
+    let scene = ObservedScene::read(&file("scene.toml")).unwrap();
+    let settings = Settings { model: Model::WideAngle, ..Settings::default() };
+    fit_scenes(&[scene], &settings, Filter::Auto).unwrap().channels.remove(0).1
+}
+
+/// Error of parameter `i` in the coordinates, and in standard errors.
+fn off(fit: &ChannelFit, i: usize) -> (f64, f64) {
+    let (value, truth) = (fit.parameters.values()[i], PLANE.truth()[i]);
+    let off = if i == 1 { value - truth } else { (value / truth).ln() };
+    (off, off / fit.uncertainty.std_error(i).unwrap())
+}
+
+const SEEDS: u64 = 6;
+
+#[test]
+fn a_traced_image_is_fitted_with_its_own_variance() {
+    const SAMPLES: u32 = 64;
+    let phase = *PLANE.medium.phase();
+    let (mut chi2, mut trusting_bright, mut careful) = (0.0, 0.0, 0.0);
+    for seed in 1..=SEEDS {
+        let traced = PLANE.trace(phase, SAMPLES, seed).unwrap();
+        let other = PLANE.trace(phase, SAMPLES, seed + 1000).unwrap().variance;
+        let own =
+            fit(&traced.mean, &[("Y.variance", traced.variance.clone())], "variance = \"observed.exr\"");
+        let naive = fit(&traced.mean, &[("known", traced.variance)], "variance = \"known.exr\"");
+        let independent = fit(&traced.mean, &[("known", other)], "variance = \"known.exr\"");
+        chi2 += own.reduced_chi2 / SEEDS as f64;
+        for (i, name) in NAMES.into_iter().enumerate() {
+            let (error, in_errors) = off(&own, i);
+            let model = own.model_error.unwrap().of(&nalgebra::Vector3::ith(i, 1.0));
+            println!("seed {seed}, {name}: {in_errors:+.2} standard errors");
+            // 18 normal numbers stay within 4 but once in 900 runs.
+            assert!(error.abs() < 4.0 * own.uncertainty.std_error(i).unwrap() + model, "{name}");
+        }
+        careful += (off(&own, 0).1 - off(&independent, 0).1) / SEEDS as f64;
+        trusting_bright += (off(&naive, 0).1 - off(&independent, 0).1) / SEEDS as f64;
+    }
+    println!(
+        "chi² {chi2:.4}; away from variances of other paths: {careful:.2}, pixel by pixel {trusting_bright:.2}"
+    );
+    // chi² of 6 times 2304 numbers: four times sqrt(2 / 13824), and 1/64 for variances of 64 samples each.
+    assert!((chi2 - 1.0).abs() < 0.064, "{chi2}");
+    // Weights that go with the noise pull the estimate, those of neighbours no more than those of other paths.
+    assert!(careful.abs() < 0.2 && trusting_bright < -0.4, "{careful} {trusting_bright}");
+}
+
+#[test]
+fn one_variance_for_all_pixels_is_one_level_of_noise() {
+    let phase = *PLANE.medium.phase();
+    let observed = PLANE.trace(phase, 64, 1).unwrap().mean;
+    let level = |noise: f64| fit(&observed, &[], &format!("noise = {noise}"));
+    let variance = |v: f32| {
+        fit(&observed, &[("known", Image::filled(PLANE.side, PLANE.side, v))], "variance = \"known.exr\"")
+    };
+    let (by_level, by_variance, louder) = (level(0.02), variance(4e-4), variance(16e-4));
+    for i in 0..3 {
+        let error = |fit: &ChannelFit| fit.uncertainty.std_error(i).unwrap();
+        // Up to where the solver stops.
+        assert!((off(&by_level, i).1 - off(&by_variance, i).1).abs() < 0.02);
+        assert!((error(&by_variance) / error(&by_level) - 1.0).abs() < 1e-3);
+        assert!((error(&louder) / error(&by_level) - 2.0).abs() < 2e-3);
+    }
+    assert!((by_variance.reduced_chi2 / by_level.reduced_chi2 - 1.0).abs() < 1e-5);
+    assert!((louder.reduced_chi2 / by_level.reduced_chi2 - 0.25).abs() < 1e-5);
+}
