@@ -126,16 +126,6 @@ impl Prepared<'_> {
         }
     }
 
-    /// Stub.
-    pub fn render_shifted(&self, optics: &Optics, _s: [f64; 2]) -> Result<Image> {
-        self.render(optics)
-    }
-
-    /// Stub.
-    pub fn render_shifted_with_gradient(&self, optics: &Optics, _s: [f64; 2]) -> Result<Rendering> {
-        self.render_with_gradient(optics)
-    }
-
     /// The image and its derivatives, over the target's view.
     ///
     /// # Errors

@@ -25,8 +25,6 @@ pub struct Rendering {
     pub image: Image,
     /// Derivatives of `image` in sigma_s (length), sigma_a (length) and B (1/rad²).
     pub gradient: Option<[Image; 3]>,
-    /// Motion.
-    pub motion: Option<[Image; 2]>,
 }
 
 /// A target prepared for many renders.
@@ -97,7 +95,7 @@ impl<'a> CpuFilter<'a> {
     pub fn render_with_gradient(&self, optics: &Optics) -> Result<Rendering> {
         let mut planes = self.evaluate(optics, 4)?.into_iter();
         let mut next = || planes.next().expect("four planes were asked for");
-        Ok(Rendering { image: next(), gradient: Some([next(), next(), next()]), motion: None })
+        Ok(Rendering { image: next(), gradient: Some([next(), next(), next()]) })
     }
 
     /// The first `count` of image, d/d sigma_s, d/d sigma_a, d/d B.

@@ -16,7 +16,6 @@
 //! reaches) or the mirrored image, periodically (`mirror`).
 
 mod backend;
-mod stub;
 pub mod basis;
 mod bend;
 pub mod blur;
@@ -42,7 +41,6 @@ mod unit_cells;
 
 pub use backend::{Backend, Prepared};
 pub use cpu::Rendering;
-pub use stub::{coarse_shift, shifted};
 pub use hidden::hidden_share;
 pub use plan::{CUT, Coverage};
 
