@@ -32,6 +32,7 @@ mod obliquity;
 pub mod per_depth;
 mod plan;
 mod segment;
+mod shift;
 pub mod slices;
 mod sources;
 mod tables;

@@ -241,7 +241,7 @@ fn turbid<P: Likelihood>(optics: &Optics) -> Result<Turbid<P>> {
 impl<P: Likelihood> Paths for Hits<P> {
     fn render(&self, optics: &Optics, batches: Range<usize>) -> Result<Rendering> {
         let [image, s, a, shape] = self.image(&turbid(optics)?, batches)?;
-        Ok(Rendering { image, gradient: Some([s, a, shape]) })
+        Ok(Rendering { image, gradient: Some([s, a, shape]), motion: None })
     }
 
     fn effective_share(&self, optics: &Optics) -> Result<f64> {
@@ -269,5 +269,5 @@ fn combined(a: &Rendering, b: &Rendering, f: impl Fn(f32, f32) -> f32) -> Render
         (Some(a), Some(b)) => Some(std::array::from_fn(|c| image(&a[c], &b[c]))),
         _ => None,
     };
-    Rendering { image: image(&a.image, &b.image), gradient }
+    Rendering { image: image(&a.image, &b.image), gradient, motion: None }
 }

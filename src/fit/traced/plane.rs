@@ -179,7 +179,11 @@ impl<P: Likelihood> Paths for TracedPlane<'_, P> {
             Image { data: (0..first.data.len()).into_par_iter().map(pixel).collect(), ..*first }
         };
         let slope = |c: usize| sum(&move |weight| weight.gradient[c]);
-        Ok(Rendering { image: sum(&|weight| weight.value), gradient: Some([slope(0), slope(1), slope(2)]) })
+        Ok(Rendering {
+            image: sum(&|weight| weight.value),
+            gradient: Some([slope(0), slope(1), slope(2)]),
+            motion: None,
+        })
     }
 
     fn effective_share(&self, optics: &Optics) -> Result<f64> {
