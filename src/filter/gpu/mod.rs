@@ -164,7 +164,33 @@ impl<'a> GpuFilter<'a> {
             let data = values.iter().map(|v| (f64::from(*v) * units[i]) as f32).collect();
             Image { width, height, data }
         };
-        Ok(super::cpu::Rendering { image: plane(0), gradient: Some([plane(1), plane(2), plane(3)]) })
+        Ok(super::cpu::Rendering {
+            image: plane(0),
+            gradient: Some([plane(1), plane(2), plane(3)]),
+            motion: None,
+        })
+    }
+
+    /// The image moved by `shift_px` to the right and down, over the target's view: what [`render`](Self::render) has at
+    /// x is at x + `shift_px`.
+    ///
+    /// # Errors
+    /// As [`render`](Self::render), and [`Error::OutOfRange`](crate::Error::OutOfRange) for a shift that is not finite or
+    /// is larger than the padded image.
+    pub fn render_shifted(&self, _optics: &Optics, _shift_px: [f64; 2]) -> Result<Image> {
+        Err(crate::Error::Gpu("shifts on the device follow".into()))
+    }
+
+    /// The moved image and its derivatives, also those in the shift, over the target's view.
+    ///
+    /// # Errors
+    /// As [`render_shifted`](Self::render_shifted).
+    pub fn render_shifted_with_gradient(
+        &self,
+        _optics: &Optics,
+        _shift_px: [f64; 2],
+    ) -> Result<super::cpu::Rendering> {
+        Err(crate::Error::Gpu("shifts on the device follow".into()))
     }
 
     /// Uploads an observation over the view: the value of each of its `pixels`, and its weight, 0 where it does not count.
