@@ -9,11 +9,11 @@ mod candidate;
 mod judgement;
 mod prospect;
 
-pub use candidate::Candidate;
 pub(super) use prospect::{Planned, PlannedExposure, Prospect, seen};
 
-use super::scenes::{SceneFit, fit_scenes, observations, reliefs};
 use super::Settings;
+use super::report::Candidate;
+use super::scenes::{SceneFit, fit_scenes, observations, reliefs};
 use crate::error::Result;
 use crate::filter::Filter;
 use crate::relief::Relief;
