@@ -88,7 +88,9 @@ pub enum Error {
         phase: String,
     },
     /// A model that cannot render a shifted observation was asked to.
-    #[error("model traced does not register a shifted observation; use a model with kernels, such as wide-angle")]
+    #[error(
+        "model traced does not register a shifted observation; use a model with kernels, such as wide-angle"
+    )]
     NotShifted,
     /// A model that has no kernel was asked for one.
     #[error("model traced has no kernel: its paths are traced scene by scene")]

@@ -2,11 +2,11 @@
 
 use crate::common::program::narrowbeam;
 use narrowbeam::lab::study::stability::{Found, Method, Outcome, Verdict};
+use narrowbeam::lab::study::trial::{Place, Tally, Trial};
 use narrowbeam::lab::study::{Setting, Texture};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::b_of_spread_angle;
 use narrowbeam::spread::Model;
-use narrowbeam::lab::study::trial::{Place, Tally, Trial};
 
 /// What was found of a parameter that is `error` off.
 fn found(error: f64, std_error: f64, model_error: f64) -> Outcome {

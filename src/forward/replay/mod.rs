@@ -3,7 +3,7 @@
 //! Paths are traced once, in a medium near the one sought, and then replayed with the weights of another medium
 //! (perturbation Monte Carlo). An evaluation is a sum over the same paths, so the cost is a smooth function with exact
 //! derivatives. They serve as long as the relative effective sample size
-//! ([`Effective`](crate::trace::Effective)) is large enough; then they are traced again.
+//! ([`EffectiveSampleSize`](crate::trace::EffectiveSampleSize)) is large enough; then they are traced again.
 //!
 //! - *A plane seen by parallel rays* has one kernel for all pixels, and paths make that ([`plane`]).
 //! - *Depth maps and perspective views* have paths of their own at every pixel, followed to the real surface ([`surface`]).
@@ -177,7 +177,12 @@ pub(super) fn render(
 }
 
 /// Traces the paths of scene number `scene`.
-fn trace<'a>(target: Target<'a>, medium: &Medium, tracing: Tracing, scene: u64) -> Result<Box<dyn Paths + 'a>> {
+fn trace<'a>(
+    target: Target<'a>,
+    medium: &Medium,
+    tracing: Tracing,
+    scene: u64,
+) -> Result<Box<dyn Paths + 'a>> {
     match *medium.phase() {
         Phase::Gaussian(phase) => trace_in(target, &medium.with_phase(phase), tracing, scene),
         Phase::HenyeyGreenstein(phase) => trace_in(target, &medium.with_phase(phase), tracing, scene),

@@ -138,7 +138,11 @@ impl Case {
             let scenes = self.noisy(clean.clone(), seed.wrapping_mul(1 << 32).wrapping_add(first));
             let fit = fit(&scenes, &Settings { model: self.model, ..Settings::default() })?;
             progress();
-            Ok(fit.parameters.of_medium().map(|(id, p)| Drawn::new(&fit, id, truth.truth(p.descriptor().quantity))).collect())
+            Ok(fit
+                .parameters
+                .of_medium()
+                .map(|(id, p)| Drawn::new(&fit, id, truth.truth(p.descriptor().quantity)))
+                .collect())
         };
         let all = (0..draws).into_par_iter().map(one).collect::<Result<Vec<_>>>()?;
         let parameters = ideal.parameters.of_medium().enumerate();

@@ -222,7 +222,13 @@ impl Sweeps<'_> {
         for width_px in [0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 2.0 * self.base.side as f64] {
             let setting = Setting { pixel_pitch: width / width_px, ..self.base };
             let scene = self.noisy(&setting, &self.trace(&setting)?)?;
-            trials.extend(fits(&Place::at("kernel width", width_px), &setting, &scene, &SWEPT, &Quantity::MEDIUM));
+            trials.extend(fits(
+                &Place::at("kernel width", width_px),
+                &setting,
+                &scene,
+                &SWEPT,
+                &Quantity::MEDIUM,
+            ));
         }
         Ok(trials)
     }
@@ -235,13 +241,25 @@ impl Sweeps<'_> {
             let Setting { side, pixel_pitch, z, .. } = self.base;
             scene.scene.geometry = Geometry::planar(side, side, pixel_pitch, z * (1.0 + error))?;
             scene.scene.depth_error = error;
-            trials.extend(fits(&Place::at("depth error", error), &self.base, &scene, &SWEPT, &Quantity::MEDIUM));
+            trials.extend(fits(
+                &Place::at("depth error", error),
+                &self.base,
+                &scene,
+                &SWEPT,
+                &Quantity::MEDIUM,
+            ));
 
             let mut brighter = clean.clone();
             brighter.data.iter_mut().for_each(|v| *v *= 1.0 + error as f32);
             let mut scene = self.noisy(&self.base, &brighter)?;
             scene.observation.gain_error = error;
-            trials.extend(fits(&Place::at("gain error", error), &self.base, &scene, &SWEPT, &Quantity::MEDIUM));
+            trials.extend(fits(
+                &Place::at("gain error", error),
+                &self.base,
+                &scene,
+                &SWEPT,
+                &Quantity::MEDIUM,
+            ));
         }
         Ok(trials)
     }
@@ -283,7 +301,13 @@ impl Sweeps<'_> {
                 (1.0 - t) * renders[k].at(x, y) + t * renders[(k + 1).min(SHARES - 1)].at(x, y)
             });
             let scene = self.noisy(&self.base, &image)?;
-            trials.extend(fits(&Place::at("varying sigma_s", change), &self.base, &scene, &SWEPT, &Quantity::MEDIUM));
+            trials.extend(fits(
+                &Place::at("varying sigma_s", change),
+                &self.base,
+                &scene,
+                &SWEPT,
+                &Quantity::MEDIUM,
+            ));
         }
         Ok(trials)
     }
@@ -298,7 +322,13 @@ impl Sweeps<'_> {
             sorted.sort_by(f32::total_cmp);
             let top = sorted[((1.0 - share) * (sorted.len() - 1) as f64) as usize];
             image.data.iter_mut().for_each(|v| *v = v.min(top));
-            trials.extend(fits(&Place::at("saturated share", share), &self.base, &scene, &SWEPT, &Quantity::MEDIUM));
+            trials.extend(fits(
+                &Place::at("saturated share", share),
+                &self.base,
+                &scene,
+                &SWEPT,
+                &Quantity::MEDIUM,
+            ));
         }
         Ok(trials)
     }

@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::medium::Medium;
 use crate::phase::{Phase, PhaseFunction};
 use crate::spread::wide_angle::layout::{Layout, Place, bending};
-use crate::trace::{Likelihood, Scattered, log_spaced, trace_histories};
+use crate::trace::{Likelihood, Scattered, log_spaced, trace_paths};
 use mixture::Laid;
 
 /// Edges of the radius bins, in units of z times the planar width of the phase function.
@@ -33,11 +33,11 @@ impl Radial {
         seed: u64,
     ) -> Result<()> {
         let width = medium.phase().planar_width();
-        let histories = trace_histories(medium, Scattered::Twice, paths, seed)?;
-        for history in &histories.paths {
-            let bin = edges.partition_point(|&e| e <= f64::from(history.radius) / width);
-            self.light[bin] += histories.weight;
-            self.slope[bin] += histories.weight * f64::from(history.slope);
+        let records = trace_paths(medium, Scattered::Twice, paths, seed)?;
+        for path in &records.paths {
+            let bin = edges.partition_point(|&e| e <= f64::from(path.radius) / width);
+            self.light[bin] += records.weight;
+            self.slope[bin] += records.weight * f64::from(path.slope);
         }
         Ok(())
     }
