@@ -7,7 +7,7 @@ mod once;
 use crate::error::Result;
 use crate::medium::Medium;
 use crate::phase::{Phase, PhaseFunction};
-use crate::spread::wide_angle::layout::{Layout, Place, bending};
+use crate::spread::wide_angle::layout::{Layout, Place, total_scale};
 use crate::trace::{Likelihood, Scattered, log_spaced, trace_paths};
 use mixture::Laid;
 
@@ -70,12 +70,12 @@ pub fn node(layout: &Layout, place: &Place, paths: u64, seed: u64) -> Result<Vec
     }
     let phi = medium.scattered_total(1.0);
     let (total, rise) = (radial.light.iter().sum::<f64>(), radial.slope.iter().sum::<f64>());
-    let light = Laid::light(layout.rungs, &edges).shares(&radial.light);
-    let slope = Laid::slope(layout.rungs, &edges).shares(&radial.slope);
+    let light = Laid::light(layout.gaussians, &edges).shares(&radial.light);
+    let slope = Laid::slope(layout.gaussians, &edges).shares(&radial.slope);
     // The gradient of a Gaussian of width s, r/s² G, has the integral sqrt(pi/2)/s.
     let per_light = rise / (total * (0.5 * std::f64::consts::PI).sqrt());
     let logarithms =
-        [(total / phi).ln() / bending(place.angle), (per_light / medium.phase().planar_width()).ln()];
+        [(total / phi).ln() / total_scale(place.angle), (per_light / medium.phase().planar_width()).ln()];
     let roots = light.iter().chain(&slope).map(|share| share.sqrt());
     Ok(logarithms.into_iter().chain(roots).map(|v| v as f32).collect())
 }
