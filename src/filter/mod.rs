@@ -16,6 +16,7 @@
 //! reaches) or the mirrored image, periodically (`mirror`).
 
 mod backend;
+mod stub;
 pub mod basis;
 mod bend;
 pub mod blur;
@@ -35,16 +36,15 @@ mod plan;
 mod segment;
 pub mod slices;
 mod sources;
-mod stub;
 mod tables;
 mod transfer;
 mod unit_cells;
 
 pub use backend::{Backend, Prepared};
 pub use cpu::Rendering;
+pub use stub::{coarse_shift, shifted};
 pub use hidden::hidden_share;
 pub use plan::{CUT, Coverage};
-pub use stub::{coarse_shift, shifted};
 
 use crate::error::Result;
 use crate::geometry::Geometry;

@@ -164,11 +164,7 @@ impl<'a> GpuFilter<'a> {
             let data = values.iter().map(|v| (f64::from(*v) * units[i]) as f32).collect();
             Image { width, height, data }
         };
-        Ok(super::cpu::Rendering {
-            image: plane(0),
-            gradient: Some([plane(1), plane(2), plane(3)]),
-            motion: None,
-        })
+        Ok(super::cpu::Rendering { image: plane(0), gradient: Some([plane(1), plane(2), plane(3)]), motion: None })
     }
 
     /// Uploads an observation over the view: the value of each of its `pixels`, and its weight, 0 where it does not count.

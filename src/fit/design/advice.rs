@@ -63,10 +63,10 @@ pub fn advise(
     let engine = Settings { model: fit.model, ..*settings }.engine();
     let stands_in = engine.without_noise();
     let exposures = PlannedExposure::of(fit);
-    let measured = observations
-        .iter()
-        .zip(&exposures)
-        .map(|(o, e)| Observation { noise: o.noise.or(Some(NoiseTerm::Level(e.noise))), ..*o });
+    let measured = observations.iter().zip(&exposures).map(|(o, e)| Observation {
+        noise: o.noise.or(Some(NoiseTerm::Level(e.noise))),
+        ..*o
+    });
     let study = Study { fit, exposures: &exposures, settings: &settings.with(stands_in), progress };
     match study.all(&measured.collect::<Vec<_>>()) {
         Err(error) if stands_in.model != fit.model && error.is_about_model() => Ok(Vec::new()),
@@ -157,8 +157,10 @@ impl Study<'_> {
             self.seen(Target { radiance, ..o.target }, o, scene)
         };
         let observed = measured.iter().zip(&checkers).enumerate().map(seen).collect::<Result<Vec<_>>>()?;
-        let sharp = measured.iter().zip(&checkers).zip(&observed).map(|((o, radiance), observed)| {
-            Observation { target: Target { radiance, ..o.target }, observed, ..*o }
+        let sharp = measured.iter().zip(&checkers).zip(&observed).map(|((o, radiance), observed)| Observation {
+            target: Target { radiance, ..o.target },
+            observed,
+            ..*o
         });
         self.advice(Plan {
             measurement: "a target of sharp edges (a checkerboard of the same mean)",
@@ -188,8 +190,7 @@ impl Advice {
     fn of(measurement: &'static str, prospect: &Prospect) -> Self {
         let Prospect { parameters, covariance, .. } = prospect;
         let error = |id: Id, p: &Parameter| covariance.std_error(id).map(|e| e * p.slope().abs());
-        let in_scales =
-            parameters.of_medium().filter_map(|(id, p)| Some(covariance.std_error(id)? / p.scale()));
+        let in_scales = parameters.of_medium().filter_map(|(id, p)| Some(covariance.std_error(id)? / p.scale()));
         let frees = !covariance.leaves_open();
         Self {
             measurement,
@@ -202,8 +203,7 @@ impl Advice {
 
     /// A line for people; names of parameters end in `suffix`.
     pub(crate) fn line(&self, suffix: &str) -> String {
-        let known: Vec<String> =
-            self.known.iter().map(|text| text.replacen(' ', &format!("{suffix} "), 1)).collect();
+        let known: Vec<String> = self.known.iter().map(|text| text.replacen(' ', &format!("{suffix} "), 1)).collect();
         match (self.frees, known.is_empty()) {
             (true, _) => format!("{} would determine all: {}", self.measurement, known.join(", ")),
             (false, true) => format!("{} would determine nothing", self.measurement),

@@ -12,8 +12,8 @@ use crate::image::Channel;
 use crate::medium::Medium;
 use crate::phase::PhaseFunction;
 use crate::scene::{
-    FitOptions, Gain, HIDDEN_SHARE_MAX, Noise, Observation, ObservedScene, ParameterOptions, Registration,
-    Scene, Veil,
+    FitOptions, Gain, HIDDEN_SHARE_MAX, Noise, Observation, ObservedScene, ParameterOptions, Registration, Scene,
+    Veil,
 };
 
 /// How the planned images will be taken.

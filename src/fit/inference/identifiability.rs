@@ -76,7 +76,8 @@ impl Candidate {
 
     /// Whether it says more than its parts do, where one of them is in trouble.
     fn tells(&self, fit: &ChannelFit, error: f64) -> bool {
-        let alone = |id: Id| fit.variance_of(&fit.parameters.along(id)).map_or(f64::INFINITY, f64::sqrt);
+        let alone =
+            |id: Id| fit.variance_of(&fit.parameters.along(id)).map_or(f64::INFINITY, f64::sqrt);
         let part = |id: Id| self.parts[id.row()].abs() * alone(id);
         let taking_part = || {
             let ids = fit.parameters.of_medium().map(|(id, _)| id);
@@ -143,10 +144,10 @@ fn product(fit: &ChannelFit) -> Option<Candidate> {
 
 /// sigma_t, of direct light.
 fn extinction(fit: &ChannelFit) -> Option<Candidate> {
-    let (sigma_s, sigma_a) = (fit.parameters.value(Quantity::SigmaS), fit.parameters.value(Quantity::SigmaA));
+    let (sigma_s, sigma_a) =
+        (fit.parameters.value(Quantity::SigmaS), fit.parameters.value(Quantity::SigmaA));
     let sigma_t = sigma_s + sigma_a;
-    let gradient =
-        fit.parameters.direction(&[(Quantity::SigmaS, sigma_s), (Quantity::SigmaA, 1.0)]) / sigma_t;
+    let gradient = fit.parameters.direction(&[(Quantity::SigmaS, sigma_s), (Quantity::SigmaA, 1.0)]) / sigma_t;
     (sigma_t > 0.0).then(|| Candidate::of("sigma_t".into(), sigma_t, gradient))
 }
 

@@ -59,7 +59,8 @@ pub(super) fn infer<'a>(task: &Task<'_, 'a>, mut optimum: Optimum<'a>) -> Result
     let lacking = optimum.observed.iter().zip(&optimum.images).map(|(o, image)| lack_of_fit(o, image));
     let lack_of_fit = lacking.fold(0.0, f64::max);
     if let Some(error) = &model_error {
-        covariance.mark_undetermined(parameters, |g| error.reference_of(g) + error.variance_of(g).sqrt());
+        covariance
+            .mark_undetermined(parameters, |g| error.reference_of(g) + error.variance_of(g).sqrt());
     }
     let first = task.observations[0].target;
     let mut fit = ChannelFit {

@@ -59,7 +59,8 @@ impl Linear {
         let terms = LinearTerm::free(observation);
         let columns: Vec<_> = terms.iter().map(|term| term.column(products)).collect();
         let residual = products.residual(given);
-        let normal = DMatrix::from_fn(terms.len(), terms.len(), |i, j| products.of(&columns[i], &columns[j]));
+        let normal =
+            DMatrix::from_fn(terms.len(), terms.len(), |i, j| products.of(&columns[i], &columns[j]));
         // Terms that cannot be told from those before them keep what is given.
         let told = (0..=terms.len()).rev().find_map(|n| Some((n, inverse(&normal, n)?)));
         let (n, part) = told.expect("no terms have an inverse");

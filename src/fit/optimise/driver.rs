@@ -141,17 +141,14 @@ impl<'x, 'a> Driver<'x, 'a> {
             Phase::Fitting => engine,
         };
         self.phase = phase;
-        self.models =
-            SceneModels::prepare(self.task.observations, &self.observed, &self.parameters, &engine)?;
+        self.models = SceneModels::prepare(self.task.observations, &self.observed, &self.parameters, &engine)?;
         Ok(())
     }
 
     /// Takes the medium from the Gram matrices, if there are any. What they see is registered as it was at first, so a fit
     /// that registers listens to them once.
     fn consult_gram(&mut self) -> Result<()> {
-        let Some(gram) = self.gram.filter(|_| self.round == 1 || !self.task.registers()) else {
-            return Ok(());
-        };
+        let Some(gram) = self.gram.filter(|_| self.round == 1 || !self.task.registers()) else { return Ok(()) };
         let medium = self.parameters.medium_alone();
         let registered = self.task.weighted_as(&self.observed);
         let problem = Problem::new(gram, &registered, &medium, &|| ());

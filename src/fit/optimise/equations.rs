@@ -54,13 +54,7 @@ impl NormalEquations {
     }
 
     /// Adds scene number `scene`, `observed`, from the `products` of what was rendered at `parameters`.
-    pub(crate) fn add(
-        &mut self,
-        scene: usize,
-        observed: &Observed,
-        products: &Products,
-        parameters: &Parameters,
-    ) {
+    pub(crate) fn add(&mut self, scene: usize, observed: &Observed, products: &Products, parameters: &Parameters) {
         let linear = observed.linear(products);
         let residual = products.residual(linear.exposure);
         let square = products.of(&residual, &residual);
@@ -73,10 +67,9 @@ impl NormalEquations {
         let scaling = DMatrix::from_diagonal(&scale);
         let direct = &scaling * products.of_derivatives() * &scaling * w;
 
-        let columns = linear
-            .terms
-            .iter()
-            .map(|term| products.with_derivatives(&term.column(products)).component_mul(&scale).transpose());
+        let columns = linear.terms.iter().map(|term| {
+            products.with_derivatives(&term.column(products)).component_mul(&scale).transpose()
+        });
         let terms = linear.terms.len();
         let mut across = DMatrix::zeros(terms, rows.len());
         across.row_iter_mut().zip(columns).for_each(|(mut row, column)| row.copy_from(&column));

@@ -1,7 +1,7 @@
 //! The parameters of the medium, as the user asks for them.
 
-use super::Coordinate;
 use super::parameter::{Bounds, Descriptor, Parameter, Role};
+use super::Coordinate;
 use crate::error::{Result, in_range};
 use crate::forward::Quantity;
 use crate::geometry::PathLengths;

@@ -138,10 +138,7 @@ fn at_bound(&Case { suffix, fit, .. }: &Case) -> Option<Warning> {
     });
     let pressed: Vec<String> = pressed.map(|(_, p)| format!("{}{suffix}", p.name())).collect();
     let message = || {
-        format!(
-            "on a bound, beyond which the data want it, and where the interval is cut: {}",
-            pressed.join(", ")
-        )
+        format!("on a bound, beyond which the data want it, and where the interval is cut: {}", pressed.join(", "))
     };
     (!pressed.is_empty()).then(|| Warning::new(WarningCode::AtBound, message()))
 }
@@ -150,12 +147,12 @@ fn model_error(&Case { suffix, fit, model }: &Case) -> Option<Warning> {
     let mut free = fit.with_status(Status::Free).peekable();
     let Some(error) = &fit.model_error else {
         free.peek()?;
-        let message = format!(
-            "the error of {model}{suffix} is not known at this medium, beyond the range of wide-angle"
-        );
+        let message =
+            format!("the error of {model}{suffix} is not known at this medium, beyond the range of wide-angle");
         return Some(Warning::new(WarningCode::ModelErrorUnknown, message));
     };
-    let in_scales = |id| error.bias_of(&fit.parameters.along(id)).abs() / fit.parameters.get(id).scale();
+    let in_scales =
+        |id| error.bias_of(&fit.parameters.along(id)).abs() / fit.parameters.get(id).scale();
     let worst = free.map(in_scales).fold(0.0, f64::max);
     let message = || {
         format!(
@@ -190,5 +187,6 @@ fn thick(&Case { suffix, fit, model }: &Case) -> Option<Warning> {
             "tau{suffix} = {tau:.1} is above {THICKEST}, up to which fits by {model} are tested; look through less of the medium"
         )
     };
-    (model == Model::Traced && tau > THICKEST).then(|| Warning::new(WarningCode::OutsideValidity, message()))
+    (model == Model::Traced && tau > THICKEST)
+        .then(|| Warning::new(WarningCode::OutsideValidity, message()))
 }

@@ -12,8 +12,8 @@ mod prospect;
 pub use candidate::Candidate;
 pub(super) use prospect::{Planned, PlannedExposure, Prospect, seen};
 
-use super::Settings;
 use super::scenes::{SceneFit, fit_scenes, observations, reliefs};
+use super::Settings;
 use crate::error::Result;
 use crate::filter::Filter;
 use crate::relief::Relief;

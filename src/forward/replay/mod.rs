@@ -177,12 +177,7 @@ pub(super) fn render(
 }
 
 /// Traces the paths of scene number `scene`.
-fn trace<'a>(
-    target: Target<'a>,
-    medium: &Medium,
-    tracing: Tracing,
-    scene: u64,
-) -> Result<Box<dyn Paths + 'a>> {
+fn trace<'a>(target: Target<'a>, medium: &Medium, tracing: Tracing, scene: u64) -> Result<Box<dyn Paths + 'a>> {
     match *medium.phase() {
         Phase::Gaussian(phase) => trace_in(target, &medium.with_phase(phase), tracing, scene),
         Phase::HenyeyGreenstein(phase) => trace_in(target, &medium.with_phase(phase), tracing, scene),
