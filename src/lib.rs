@@ -28,9 +28,9 @@
 //! | sqrt(4B) | `spread_angle` | rms of a single deflection for small B | rad |
 //! | z | `path_length` | path in the medium along the line of sight: depth - surface | length |
 //! | tau | `tau` | scattering optical depth sigma_s z | 1 |
-//! | T | `transmittance` | share of the light that arrives unscattered | 1 |
-//! | psf(r) | `psf` | density of the scattered light; integrates to its share of all light, not to 1 | 1/area |
-//! | M(k) | `mtf` | transfer function, direct light included; M(0) is all that arrives | 1 |
+//! | T | `transmittance` | fraction of the light that arrives unscattered | 1 |
+//! | psf(r) | `psf` | density of the scattered light; integrates to the scattered fraction of all light, not to 1 | 1/area |
+//! | M(k) | `mtf` | transfer function, direct light included; M(0) is all light that arrives | 1 |
 //! | F | `mean_planar_transform` | mean of the planar phase function's transform over the path | 1 |
 //! | k | `k` | spatial frequency in the object plane | rad/length |
 //! | gain, veil | `gain`, `veil` | exposure; light scattered in from the illumination, in units of the observation | 1; any |
@@ -57,13 +57,13 @@
 //! let optics = Optics { model: Model::SmallAngle, medium: Medium::gaussian(0.9, 0.05, 0.004)? };
 //! let observed = CpuFilter::new(target, &optics, 1.0)?.render(&optics)?;
 //!
-//! // The medium back from the two images.
+//! // Estimate the medium from the two images.
 //! let (gain, veil) = (Gain::Fixed(1.0), VeilTerm::Fixed(0.0));
-//! let datum = Datum {
+//! let observation = Datum {
 //!     target, observed: &observed, mask: None, hidden_share_max: 0.01, noise: None,
 //!     gain, gain_error: 0.0, depth_error: 0.0, veil,
 //! };
-//! let fit = fit_channel(&[datum], &FitOptions::default(), &Settings::default())?;
+//! let fit = fit_channel(&[observation], &FitOptions::default(), &Settings::default())?;
 //! let [sigma_s, sigma_a, b] = fit.parameters.values();
 //! assert!(fit.converged);
 //! assert!((sigma_s - 0.9).abs() < 1e-3 && (sigma_a - 0.05).abs() < 1e-3 && (b - 0.004).abs() < 1e-5);
@@ -78,14 +78,14 @@
 //! | --- | --- |
 //! | [`medium`], [`phase`] | coefficients; phase functions |
 //! | [`geometry`], [`image`](mod@image) | camera, distances, pixel pitch; linear images, views, borders |
-//! | [`spread`] | the kernels: `beer-lambert` to `small-angle` |
+//! | [`spread`] | the kernels: `beer-lambert` to `wide-angle` |
 //! | [`filter`] | from the clear object to the image through the medium, for any depth map |
 //! | [`illumination`], [`synthesis`] | light that falls into the medium and its veil; images with all their light |
 //! | [`fit`] | estimates, their errors, the report |
-//! | [`gpu`] | graphics adapters; knows nothing of light |
-//! | [`trace`] | photon tracer: the independent witness, uses neither `spread` nor `filter` nor `fit` |
+//! | [`gpu`] | compute on graphics adapters; contains no optics |
+//! | [`trace`] | photon tracer: independent evidence, uses neither `spread` nor `filter` nor `fit` |
 //! | [`scene`], [`io`] | scene files; EXR and PNG |
-//! | [`error`](mod@error) | every refusal, naming the culprit |
+//! | [`error`](mod@error) | every error, naming its cause |
 //!
 //! # Features
 //!

@@ -7,8 +7,8 @@ use super::options::{RenderOptions, TracingOptions, positive, provenance};
 use super::progress::Progress;
 use super::{UNDETERMINED, aligned, say};
 use crate::fit::{
-    ChannelFit, Draws, Method, SceneFit, Settings, Ways, add_advice, bootstrap, check_scenes, fit_scenes, profile,
-    select,
+    ChannelFit, Draws, Method, SceneFit, Settings, Ways, add_advice, bootstrap, check_scenes, fit_scenes,
+    profile, select,
 };
 use crate::io::colour::{Tone, residual_scale};
 use crate::io::{atomic, exr, png};

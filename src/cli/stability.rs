@@ -7,7 +7,7 @@ use super::{aligned, say};
 use crate::fit::WarningCode;
 use crate::forward::Quantity;
 use crate::io::atomic;
-use crate::lab::study::stability::Verdict;
+use crate::lab::study::stability::OutcomeKind;
 use crate::lab::study::sweeps::{Extent, SWEEP_TRACES, grid, sweeps};
 use crate::lab::study::trial::{Tally, Trial};
 use crate::phase::PhaseFunction;
@@ -44,9 +44,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     drop(progress);
     atomic::write(&file, csv(&trials).as_bytes())?;
     pictures::write(&arguments.out, &trials, &extent)?;
-    let Tally { fits, silent, right, wolves } = Tally::of(&trials);
+    let Tally { fits, silent, right, false_alarms } = Tally::of(&trials);
     say(&format!(
-        "{}{silent} of {fits} fits failed silently; {wolves} of {right} that are right, inside their model's validity and in \
+        "{}{silent} of {fits} fits failed silently; {false_alarms} of {right} that are right, inside their model's validity and in \
          a world that is what the scene says, carry a warning\n",
         aligned(&summary(&trials))
     ))?;
@@ -72,7 +72,7 @@ fn csv(trials: &[Trial]) -> String {
             (4.0 * t.setting.medium.phase().parameter()).sqrt().to_degrees(),
             quote(&t.method.name()),
             o.model,
-            quote(o.verdict().name()),
+            quote(o.kind().name()),
             names(&o.warnings),
             quote(o.refused.as_deref().unwrap_or("")),
             o.seconds
@@ -106,20 +106,20 @@ fn summary(trials: &[Trial]) -> Vec<Vec<String>> {
             keys.push(key);
         }
     }
-    const ALL: [Verdict; 6] = [
-        Verdict::Right,
-        Verdict::Wolf,
-        Verdict::Undetermined,
-        Verdict::Warned,
-        Verdict::Refused,
-        Verdict::Silent,
+    const ALL: [OutcomeKind; 6] = [
+        OutcomeKind::Right,
+        OutcomeKind::FalseAlarm,
+        OutcomeKind::Undetermined,
+        OutcomeKind::Warned,
+        OutcomeKind::Refused,
+        OutcomeKind::Silent,
     ];
     let head = ["sweep", "method", "fits", "intervals that hold the truth"];
-    let head = head.into_iter().chain(ALL.map(Verdict::name)).map(String::from);
+    let head = head.into_iter().chain(ALL.map(OutcomeKind::name)).map(String::from);
     let row = |(sweep, method): &(&str, String)| {
         let here: Vec<&Trial> =
             trials.iter().filter(|t| t.place.sweep == *sweep && t.method.name() == *method).collect();
-        let count = |v: Verdict| here.iter().filter(|t| t.outcome.verdict() == v).count().to_string();
+        let count = |kind: OutcomeKind| here.iter().filter(|t| t.outcome.kind() == kind).count().to_string();
         let held: Vec<bool> = here.iter().flat_map(|t| &t.outcome.found).map(|f| f.held).collect();
         let held = format!("{} of {}", held.iter().filter(|h| **h).count(), held.len());
         let start = [sweep.to_string(), method.clone(), here.len().to_string(), held];

@@ -26,7 +26,7 @@ impl Family {
     }
 }
 
-/// Asks the phase function of whichever family.
+/// Calls the phase function of either family.
 macro_rules! ask {
     ($either:expr, $phase:ident => $answer:expr) => {
         match $either {
@@ -108,7 +108,7 @@ impl PhaseFunction for Phase {
 }
 
 impl fmt::Display for Phase {
-    /// As pictures are headed: by the spread angle, to a thousandth of a degree, or g.
+    /// As in titles of pictures: the spread angle, to a thousandth of a degree, or g.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Phase::Gaussian(phase) => {

@@ -51,7 +51,7 @@ impl Family {
         }
     }
 
-    /// Whether there is a phase function of this parameter, even if it is wider than [`phase`](Self::phase) takes.
+    /// Whether there is a phase function of this parameter, even if it is wider than [`phase`](Self::phase) accepts.
     pub fn allows(self, parameter: f64) -> bool {
         match self {
             Family::Gaussian => parameter.is_finite() && parameter > 0.0,
@@ -59,7 +59,7 @@ impl Family {
         }
     }
 
-    /// What [`allows`](Self::allows) asks, in words.
+    /// What [`allows`](Self::allows) requires, in words.
     pub fn allowed(self) -> &'static str {
         match self {
             Family::Gaussian => "finite and above 0",

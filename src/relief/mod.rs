@@ -14,13 +14,13 @@
 //! [`EDGE_PITCHES`](crate::geometry::EDGE_PITCHES) pixel lengths, and by more than eight times the depth map's own
 //! noise (`map`).
 
+mod front;
 mod map;
-mod peel;
 mod screens;
 
 use crate::geometry::{Camera, Field, Geometry, median};
+use front::Front;
 use map::DepthMap;
-use peel::Front;
 
 /// Slope along x and y of the depth along the camera's axis at every pixel of a layer, length per pixel.
 pub type Slopes = Vec<[f32; 2]>;
@@ -61,7 +61,7 @@ impl Relief {
         let mut front = Front::new(&maps);
         let mut screens = Vec::new();
         for depth in screens::depths(&maps) {
-            let (opaque, hidden) = front.peel(depth);
+            let (opaque, hidden) = front.remove_before(depth);
             if opaque.contains(&true) {
                 screens.push(screen(&maps[0], depth, opaque, hidden));
             }

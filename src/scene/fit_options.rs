@@ -116,7 +116,9 @@ impl Reader<'_> {
         match self.of {
             Of::SigmaS => self.channel.source.positive(key, value),
             Of::SigmaA => self.channel.source.non_negative(key, value),
-            Of::Phase => self.channel.source.in_range(key, value, self.family.allows(value), self.family.allowed()),
+            Of::Phase => {
+                self.channel.source.in_range(key, value, self.family.allows(value), self.family.allowed())
+            }
         }
     }
 }

@@ -157,7 +157,9 @@ fn read_registration(source: &Source, name: Option<&str>) -> Result<Registration
         Some("shift") => Ok(Registration::Shift),
         Some(other) => {
             let known = "none, shift";
-            Err(source.error(format!("[observation] registration: unknown registration {other}; known are {known}")))
+            Err(source.error(format!(
+                "[observation] registration: unknown registration {other}; known are {known}"
+            )))
         }
     }
 }

@@ -135,7 +135,7 @@ impl Patches {
         if self.border == Border::Zero { segment.over_image(self.size) } else { Some(segment) }
     }
 
-    /// First meeting with the surface.
+    /// First intersection with the surface.
     ///
     /// While the segment is before the patches, crossing one is a hit. So is entering a column already behind its
     /// patch from a column of the same surface: the patches do not join without cracks. From a column of another

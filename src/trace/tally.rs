@@ -18,7 +18,7 @@ impl Bins {
     pub(super) fn new(edges: &[f64]) -> Self {
         let squares: Vec<f32> = edges.iter().map(|r| (r * r) as f32).collect();
         let cell = |r2: f32| r2.to_bits() >> CELL_BITS;
-        // One cell before the first edge: whatever is smaller still is looked up there, and lies in bin 0 too.
+        // One cell before the first edge: smaller values are looked up there too, and lie in bin 0.
         let (first_cell, last_cell) = (cell(squares[0]) - 1, cell(squares[squares.len() - 1]));
         let below = |c: u32| squares.partition_point(|&e| e <= f32::from_bits(c << CELL_BITS)) as u32;
         let table = (first_cell..=last_cell + 1).map(below).collect();

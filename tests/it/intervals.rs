@@ -5,7 +5,7 @@ use narrowbeam::fit::forecast::{Plan, forecast};
 use narrowbeam::fit::noise::with_noise;
 use narrowbeam::fit::scenes::{SceneFit, fit_scenes};
 use narrowbeam::fit::{Intervals, NAMES, Parameters, Settings, Status, bootstrap, profile};
-use narrowbeam::lab::study::calibration::{Told, cases};
+use narrowbeam::lab::study::calibration::{KnownNoise, cases};
 use narrowbeam::lab::study::{Setting, Texture};
 use narrowbeam::medium::Medium;
 use narrowbeam::scene::ObservedScene;
@@ -77,7 +77,7 @@ fn all_intervals_agree_where_the_data_are_good() {
 #[test]
 fn so_they_do_where_the_noise_is_uneven() {
     const DRAWS: usize = 400;
-    let case = cases().unwrap().into_iter().find(|case| case.told == Told::Variance).unwrap();
+    let case = cases().unwrap().into_iter().find(|case| case.known == KnownNoise::Variance).unwrap();
     let scene = case.scenes(3).unwrap().remove(0);
     let mut fit = fit(&scene);
     let [by_profile, by_bootstrap] = intervals(&scene, &mut fit, DRAWS);

@@ -13,7 +13,7 @@ use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Family, Gaussian, HenyeyGreenstein, PhaseFunction, b_of_spread_angle};
 use narrowbeam::scene::{FitOptions, ObservedScene, read_truth};
 use narrowbeam::spread::Model;
-use narrowbeam::trace::{BATCHES, Hits, ImageConfig, Likelihood, Reweighting, trace_image};
+use narrowbeam::trace::{BATCHES, Hits, ImageConfig, Likelihood, Replay, trace_image};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -91,8 +91,8 @@ fn check_neighbour<P: Likelihood>(setting: &Setting, from: P, to: P) {
     println!("{from:?}: {ratio:.3} of what noise makes, without weights {unweighted:.1}");
     // chi² over 1024 pixels has the standard deviation .044; both variances are themselves estimates.
     assert!((ratio - 1.0).abs() < 0.25 && unweighted > 3.0, "{ratio} {unweighted}");
-    assert!(hits.effective_share(&medium) > 0.3);
-    assert!((hits.effective_share(hits.medium()) - 1.0).abs() < 1e-6);
+    assert!(hits.relative_sample_size(&medium) > 0.3);
+    assert!((hits.relative_sample_size(hits.medium()) - 1.0).abs() < 1e-6);
 }
 
 #[test]
@@ -142,7 +142,7 @@ fn check_likelihood<P: Likelihood>(from: P, to: P, bound: f64) {
     angles.iter().for_each(|&angle| record(angle, &mut memory));
     let [old, new] = [(2.0, 0.1, from), (2.5, 0.3, to)]
         .map(|(sigma_s, sigma_a, phase)| Medium::new(sigma_s, sigma_a, phase).unwrap());
-    let found = Reweighting::new(&old, &new).of(5, 1.5, memory.as_ref()).ratio.ln();
+    let found = Replay::new(&old, &new).of(5, 1.5, memory.as_ref()).ratio.ln();
     let turn = |&angle: &f32| (to.eval(f64::from(angle).cos()) / from.eval(f64::from(angle).cos())).ln();
     let turns = angles.iter().map(turn).sum::<f64>();
     let exact = 5.0 * 1.25_f64.ln() - 1.5 * 0.7 + turns;

@@ -13,7 +13,7 @@ use narrowbeam::phase::{Gaussian, b_of_spread_angle};
 use narrowbeam::relief::Relief;
 use narrowbeam::scene::{FitOptions, Gain};
 use narrowbeam::spread::Model;
-use narrowbeam::trace::{BATCHES, Histories, ImageConfig, Scattered, trace_histories, trace_image};
+use narrowbeam::trace::{BATCHES, ImageConfig, PathRecords, Scattered, trace_image, trace_paths};
 
 /// A checkerboard of unequal cells.
 fn checkerboard(side: usize) -> Image {
@@ -111,9 +111,9 @@ fn a_plane_is_blurred_by_the_kernel_of_its_paths() {
     let found = (0..side).map(|x| f64::from(image.at(x, 0)) * cosine(x)).sum::<f64>() * 2.0 / side as f64;
     let batches = BATCHES as u64;
     let light = (0..batches).map(|i| {
-        trace_histories(medium.with_phase(phase), Scattered::Once, paths / batches, 5 * batches + i).unwrap()
+        trace_paths(medium.with_phase(phase), Scattered::Once, paths / batches, 5 * batches + i).unwrap()
     });
-    let j0 = |h: Histories<Gaussian>| {
+    let j0 = |h: PathRecords<Gaussian>| {
         h.weight * h.paths.iter().map(|p| libm::j0(w / pitch * f64::from(p.radius))).sum::<f64>()
     };
     let sinc = (0.5 * w).sin() / (0.5 * w);

@@ -3,7 +3,7 @@
 //! Paths are traced once, in a medium near the one sought, and then replayed with the weights of another medium
 //! (perturbation Monte Carlo). An evaluation is a sum over the same paths, so the cost is a smooth function with exact
 //! derivatives. They serve as long as the relative effective sample size
-//! ([`Effective`](crate::trace::Effective)) is large enough; then they are traced again.
+//! ([`EffectiveSampleSize`](crate::trace::EffectiveSampleSize)) is large enough; then they are traced again.
 //!
 //! - *A plane seen by parallel rays* has one kernel for all pixels, and paths make that ([`plane`]).
 //! - *Depth maps and perspective views* have paths of their own at every pixel, followed to the real surface ([`surface`]).

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 /// The noise of the images, and what the fit is told of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Told {
+pub enum KnownNoise {
     /// One standard deviation for all pixels, which is given.
     Level,
     /// The same, to be estimated.
@@ -42,7 +42,7 @@ pub struct Case {
     /// Standard deviation of a pixel, of uneven noise the geometric mean.
     pub noise: f64,
     /// What the fit is told of it.
-    pub told: Told,
+    pub known: KnownNoise,
     /// Whether gain and veil of the last plane are fitted.
     pub exposure_free: bool,
 }
@@ -96,12 +96,12 @@ pub fn cases() -> Result<Vec<Case>> {
         model: Model::SmallAngle,
         planes: planes.to_vec(),
         noise,
-        told: Told::Level,
+        known: KnownNoise::Level,
         exposure_free: false,
     };
     Ok(vec![
         case("tau 1.4, 7°, checker", &[base], 0.01),
-        Case { told: Told::Nothing, ..case("the same, noise estimated", &[base], 0.01) },
+        Case { known: KnownNoise::Nothing, ..case("the same, noise estimated", &[base], 0.01) },
         case("tau .3, thin", &[medium(0.15, 0.05, 7.0)?], 0.005),
         case("tau 5, thick", &[medium(2.5, 0.1, 5.0)?], 0.001),
         case("noise of 5 %", &[base], 0.02),
@@ -112,7 +112,7 @@ pub fn cases() -> Result<Vec<Case>> {
             ..case("30°, wide-angle", &[Setting { pixel_pitch: 0.1, ..medium(0.8, 0.1, 30.0)? }], 0.005)
         },
         Case { model: Model::Gaussian, ..case("tau 3, gaussian", &[medium(1.5, 0.1, 6.0)?], 0.003) },
-        Case { told: Told::Variance, ..case("noise uneven, variances given", &[base], 0.01) },
+        Case { known: KnownNoise::Variance, ..case("noise uneven, variances given", &[base], 0.01) },
     ])
 }
 
@@ -138,7 +138,11 @@ impl Case {
             let scenes = self.noisy(clean.clone(), seed.wrapping_mul(1 << 32).wrapping_add(first));
             let fit = fit(&scenes, &Settings { model: self.model, ..Settings::default() })?;
             progress();
-            Ok(fit.parameters.of_medium().map(|(id, p)| Drawn::new(&fit, id, truth.truth(p.descriptor().quantity))).collect())
+            Ok(fit
+                .parameters
+                .of_medium()
+                .map(|(id, p)| Drawn::new(&fit, id, truth.truth(p.descriptor().quantity)))
+                .collect())
         };
         let all = (0..draws).into_par_iter().map(one).collect::<Result<Vec<_>>>()?;
         let parameters = ideal.parameters.of_medium().enumerate();
@@ -170,9 +174,9 @@ impl Case {
 
     /// `image` with noise.
     fn draw(&self, image: &Image, seed: u64) -> Image {
-        match self.told {
-            Told::Level | Told::Nothing => with_noise(image, self.noise, seed),
-            Told::Variance => with_variance(image, &self.variance(image), seed),
+        match self.known {
+            KnownNoise::Level | KnownNoise::Nothing => with_noise(image, self.noise, seed),
+            KnownNoise::Variance => with_variance(image, &self.variance(image), seed),
         }
     }
 
@@ -189,10 +193,10 @@ impl Case {
         let variance = vec![Channel { name: "Y".into(), image: self.variance(&image) }];
         let mut scene = plane.scene(image, None)?;
         let observation = &mut scene.observation;
-        observation.noise = match self.told {
-            Told::Level => Some(Noise::Level(self.noise)),
-            Told::Nothing => None,
-            Told::Variance => Some(Noise::Variance(variance)),
+        observation.noise = match self.known {
+            KnownNoise::Level => Some(Noise::Level(self.noise)),
+            KnownNoise::Nothing => None,
+            KnownNoise::Variance => Some(Noise::Variance(variance)),
         };
         if self.exposure_free && Some(plane) == self.planes.last() {
             (observation.gain, observation.veil) = (Gain::Free, Veil::Free);

@@ -7,7 +7,10 @@ use crate::geometry::Geometry;
 use crate::image::{Border, Channel, Image, View};
 use crate::medium::Medium;
 use crate::phase::PhaseFunction;
-use crate::scene::{FitOptions, Gain, HIDDEN_SHARE_MAX, Noise, Observation, ObservedScene, PartialMedium, Registration, Scene, Veil};
+use crate::scene::{
+    FitOptions, Gain, HIDDEN_SHARE_MAX, Noise, Observation, ObservedScene, PartialMedium, Registration,
+    Scene, Veil,
+};
 use crate::spread::Model;
 use crate::trace::{ImageConfig, TracedImage, trace_image};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -168,7 +171,7 @@ impl Setting {
             veil: Veil::Fixed(0.0),
             gain_error: 0.0,
             hidden_share_max: HIDDEN_SHARE_MAX,
-                    registration: Registration::None,
+            registration: Registration::None,
         };
         Ok(ObservedScene { scene, observation })
     }

@@ -187,30 +187,30 @@ impl Outcome {
     }
 
     /// Whether all is right but a warning was given all the same, other than that the model is outside its range.
-    pub fn cries_wolf(&self) -> bool {
+    pub fn is_false_alarm(&self) -> bool {
         self.is_right() && !self.warnings.is_empty() && !self.warnings.iter().any(|w| OUTSIDE.contains(w))
     }
 
     /// One word for maps and tables.
-    pub fn verdict(&self) -> Verdict {
+    pub fn kind(&self) -> OutcomeKind {
         match self {
-            _ if self.refused.is_some() => Verdict::Refused,
-            _ if self.is_silent_failure() => Verdict::Silent,
-            _ if self.cries_wolf() => Verdict::Wolf,
-            _ if !self.warnings.is_empty() => Verdict::Warned,
-            _ if self.undetermined => Verdict::Undetermined,
-            _ => Verdict::Right,
+            _ if self.refused.is_some() => OutcomeKind::Refused,
+            _ if self.is_silent_failure() => OutcomeKind::Silent,
+            _ if self.is_false_alarm() => OutcomeKind::FalseAlarm,
+            _ if !self.warnings.is_empty() => OutcomeKind::Warned,
+            _ if self.undetermined => OutcomeKind::Undetermined,
+            _ => OutcomeKind::Right,
         }
     }
 }
 
 /// How a fit ended, in one word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Verdict {
+pub enum OutcomeKind {
     /// Within what was stated.
     Right,
     /// Within three standard errors, but warned of.
-    Wolf,
+    FalseAlarm,
     /// Not determined, and said to be.
     Undetermined,
     /// Warned of.
@@ -221,12 +221,12 @@ pub enum Verdict {
     Silent,
 }
 
-impl Verdict {
+impl OutcomeKind {
     /// Name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Right => "right",
-            Self::Wolf => "right, but warned of",
+            Self::FalseAlarm => "right, but warned of",
             Self::Undetermined => "undetermined",
             Self::Warned => "warned of",
             Self::Refused => "refused",

@@ -55,23 +55,23 @@ pub struct Tally {
     /// Those in a sound world that are right, inside the model's validity.
     pub right: usize,
     /// Those among them that carry a warning.
-    pub wolves: usize,
+    pub false_alarms: usize,
 }
 
 impl Tally {
     /// Counts `trials`.
     pub fn of(trials: &[Trial]) -> Self {
         let count = |f: &dyn Fn(&Trial) -> bool| trials.iter().filter(|t| f(t)).count();
-        let wolf = |t: &Trial| t.is_sound() && t.outcome.cries_wolf();
+        let false_alarm = |t: &Trial| t.is_sound() && t.outcome.is_false_alarm();
         Self {
             fits: trials.len(),
             silent: count(&|t| t.outcome.is_silent_failure()),
             right: count(&|t| {
                 t.is_sound()
                     && t.outcome.is_right()
-                    && (t.outcome.warnings.is_empty() || t.outcome.cries_wolf())
+                    && (t.outcome.warnings.is_empty() || t.outcome.is_false_alarm())
             }),
-            wolves: count(&wolf),
+            false_alarms: count(&false_alarm),
         }
     }
 }

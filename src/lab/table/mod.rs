@@ -7,8 +7,8 @@ mod once;
 use crate::error::Result;
 use crate::medium::Medium;
 use crate::phase::{Phase, PhaseFunction};
-use crate::spread::wide_angle::layout::{Layout, Place, bending};
-use crate::trace::{Likelihood, Scattered, log_spaced, trace_histories};
+use crate::spread::wide_angle::layout::{Layout, Place, total_scale};
+use crate::trace::{Likelihood, Scattered, log_spaced, trace_paths};
 use mixture::Laid;
 
 /// Edges of the radius bins, in units of z times the planar width of the phase function.
@@ -33,11 +33,11 @@ impl Radial {
         seed: u64,
     ) -> Result<()> {
         let width = medium.phase().planar_width();
-        let histories = trace_histories(medium, Scattered::Twice, paths, seed)?;
-        for history in &histories.paths {
-            let bin = edges.partition_point(|&e| e <= f64::from(history.radius) / width);
-            self.light[bin] += histories.weight;
-            self.slope[bin] += histories.weight * f64::from(history.slope);
+        let records = trace_paths(medium, Scattered::Twice, paths, seed)?;
+        for path in &records.paths {
+            let bin = edges.partition_point(|&e| e <= f64::from(path.radius) / width);
+            self.light[bin] += records.weight;
+            self.slope[bin] += records.weight * f64::from(path.slope);
         }
         Ok(())
     }
@@ -70,12 +70,12 @@ pub fn node(layout: &Layout, place: &Place, paths: u64, seed: u64) -> Result<Vec
     }
     let phi = medium.scattered_total(1.0);
     let (total, rise) = (radial.light.iter().sum::<f64>(), radial.slope.iter().sum::<f64>());
-    let light = Laid::light(layout.rungs, &edges).shares(&radial.light);
-    let slope = Laid::slope(layout.rungs, &edges).shares(&radial.slope);
+    let light = Laid::light(layout.gaussians, &edges).shares(&radial.light);
+    let slope = Laid::slope(layout.gaussians, &edges).shares(&radial.slope);
     // The gradient of a Gaussian of width s, r/s² G, has the integral sqrt(pi/2)/s.
     let per_light = rise / (total * (0.5 * std::f64::consts::PI).sqrt());
     let logarithms =
-        [(total / phi).ln() / bending(place.angle), (per_light / medium.phase().planar_width()).ln()];
+        [(total / phi).ln() / total_scale(place.angle), (per_light / medium.phase().planar_width()).ln()];
     let roots = light.iter().chain(&slope).map(|share| share.sqrt());
     Ok(logarithms.into_iter().chain(roots).map(|v| v as f32).collect())
 }

@@ -11,7 +11,7 @@ use crate::geometry::Field;
 use crate::image::Image;
 use std::collections::VecDeque;
 
-/// Successive over-relaxation of what is supposed: its factor, the relative change of a depth below which it ends,
+/// Successive over-relaxation of what is inpainted: its factor, the relative change of a depth below which it ends,
 /// and its sweeps at most. It need not converge: it only has to join on to its surroundings.
 const OVER_RELAXATION: f64 = 1.9;
 const RELAXED: f64 = 1e-5;
@@ -46,21 +46,21 @@ impl<'a> Front<'a> {
 
     /// Takes away what covers something beyond `screen`: the opaque pixels, and the distance of what is supposed, but
     /// not known, to be behind them.
-    pub(super) fn peel(&mut self, screen: f64) -> (Vec<bool>, Field) {
-        let across = self.across(screen);
+    pub(super) fn remove_before(&mut self, occluder: f64) -> (Vec<bool>, Field) {
+        let across = self.across(occluder);
         let opaque: Vec<bool> = across.iter().map(Option::is_some).collect();
-        let supposed = self.supposed(across);
+        let inpainted = self.inpaint(across);
         let geometry = self.maps[0].geometry;
         let mut hidden = Image::filled(geometry.width, geometry.height, 0.0);
         for i in (0..opaque.len()).filter(|&i| opaque[i]) {
             let unknown = self.layer[i] + 1 >= self.maps.len();
-            self.show(i, self.layer[i] + 1, screen);
+            self.show(i, self.layer[i] + 1, occluder);
             if self.depth[i].is_infinite() {
-                self.depth[i] = supposed[i];
+                self.depth[i] = inpainted[i];
             }
-            if unknown && supposed[i] > screen && supposed[i].is_finite() {
+            if unknown && inpainted[i] > occluder && inpainted[i].is_finite() {
                 let (x, y) = (i % geometry.width, i / geometry.width);
-                hidden.data[i] = (supposed[i] / geometry.cos_off_axis(x, y)) as f32;
+                hidden.data[i] = (inpainted[i] / geometry.cos_off_axis(x, y)) as f32;
             }
         }
         (opaque, Field::Map(hidden))
@@ -68,9 +68,9 @@ impl<'a> Front<'a> {
 
     /// What may lie behind opaque pixels: `across` for a start, relaxed towards the mean of the neighbours. Neighbours
     /// that stand before them say nothing of what is behind.
-    fn supposed(&self, across: Vec<Option<f64>>) -> Vec<f64> {
+    fn inpaint(&self, across: Vec<Option<f64>>) -> Vec<f64> {
         let (map, depth) = (&self.maps[0], &self.depth);
-        let mut supposed: Vec<f64> = across.iter().zip(depth).map(|(a, d)| a.unwrap_or(*d)).collect();
+        let mut inpainted: Vec<f64> = across.iter().zip(depth).map(|(a, d)| a.unwrap_or(*d)).collect();
         let opaque: Vec<usize> = (0..across.len()).filter(|&i| across[i].is_some()).collect();
         let says = |i: usize, j: usize| {
             across[j].is_some() || depth[j] > depth[i] || !map.is_edge(depth[i], depth[j])
@@ -85,33 +85,34 @@ impl<'a> Front<'a> {
                 // There and back, so that what is known at one end soon arrives at the other.
                 let n = if sweep % 2 == 0 { n } else { opaque.len() - 1 - n };
                 let (i, around) = (opaque[n], &around[n]);
-                let known = || around.iter().map(|&j| supposed[j]).filter(|d| d.is_finite());
+                let known = || around.iter().map(|&j| inpainted[j]).filter(|d| d.is_finite());
                 let count = known().count();
-                if count == 0 || supposed[i].is_infinite() {
+                if count == 0 || inpainted[i].is_infinite() {
                     continue;
                 }
-                let step = known().sum::<f64>() / count as f64 - supposed[i];
-                supposed[i] += OVER_RELAXATION * step;
-                change = change.max(step.abs() / supposed[i]);
+                let step = known().sum::<f64>() / count as f64 - inpainted[i];
+                inpainted[i] += OVER_RELAXATION * step;
+                change = change.max(step.abs() / inpainted[i]);
             }
             if change < RELAXED {
                 break;
             }
         }
-        supposed
+        inpainted
     }
 
     /// For each opaque pixel, the depth beyond `screen` across the edge that is nearest along its surface; infinite
     /// if nothing is there.
-    fn across(&self, screen: f64) -> Vec<Option<f64>> {
+    fn across(&self, occluder: f64) -> Vec<Option<f64>> {
         let (map, depth) = (&self.maps[0], &self.depth);
         let mut across = vec![None; depth.len()];
         let mut reached = vec![false; depth.len()];
         let mut queue = VecDeque::new();
-        for i in (0..depth.len()).filter(|&i| depth[i] <= screen) {
+        for i in (0..depth.len()).filter(|&i| depth[i] <= occluder) {
             // What is only supposed to be there says nothing.
-            let known =
-                |&j: &usize| depth[j] > screen && (depth[j].is_infinite() || self.layer[j] < self.maps.len());
+            let known = |&j: &usize| {
+                depth[j] > occluder && (depth[j].is_infinite() || self.layer[j] < self.maps.len())
+            };
             let mut beyond = map.neighbours(i).into_iter().flatten().filter(known);
             if let Some(first) = beyond.next() {
                 let joined = |j: usize| !map.is_edge(depth[i], depth[j]);
@@ -122,7 +123,7 @@ impl<'a> Front<'a> {
         }
         while let Some(i) = queue.pop_front() {
             for j in map.neighbours(i).into_iter().flatten() {
-                let open = !reached[j] && depth[j] <= screen;
+                let open = !reached[j] && depth[j] <= occluder;
                 if open && !map.is_edge(depth[i], depth[j]) {
                     reached[j] = true;
                     across[j] = across[i];
