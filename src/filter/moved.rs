@@ -12,7 +12,8 @@ use crate::image::{Border, Image};
 pub fn moved(image: &Image, shift_px: [f64; 2]) -> Result<Image> {
     let (width, height) = (2 * image.width, 2 * image.height);
     let index = |i: usize, n: usize| Border::Mirror.index(i as i64, n).unwrap_or(0);
-    let mirrored = Image::from_fn(width, height, |x, y| image.at(index(x, image.width), index(y, image.height)));
+    let mirrored =
+        Image::from_fn(width, height, |x, y| image.at(index(x, image.width), index(y, image.height)));
     let fft = Fft2::<f32>::new(width, height);
     let data = Shift::new(&fft, shift_px)?.moved(&fft, mirrored.data);
     let whole = Image { width, height, data };
