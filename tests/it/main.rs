@@ -24,6 +24,7 @@ mod plots;
 mod recovery_datasets;
 mod recovery_own_model;
 mod scene;
+mod shifted_observations;
 mod spread_kernels;
 mod stability;
 mod sums;
