@@ -221,6 +221,11 @@ impl<'a> Engine<'a> {
         (self.model == Model::Traced).then_some(Self { model: Model::SmallAngle, ..*self })
     }
 
+    /// Whether the model renders shifted observations.
+    pub fn renders_shifts(&self) -> bool {
+        self.model != Model::Traced
+    }
+
     /// The same with so few paths as are enough to seek the medium; `None` if there are none to be saved.
     pub fn scouting(&self) -> Option<Self> {
         (self.model == Model::Traced).then_some(Self { tracing: self.tracing.fewer(), ..*self })
