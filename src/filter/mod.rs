@@ -31,6 +31,7 @@ pub mod ladder;
 mod obliquity;
 pub mod per_depth;
 mod plan;
+pub mod registration;
 mod segment;
 mod shift;
 pub mod slices;

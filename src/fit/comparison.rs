@@ -93,8 +93,8 @@ impl<'a> Comparison<'a> {
         let OnDevice { observation, reference } = on_device;
         // The device holds f32.
         let at = reference.get().map(|v| f64::from(v as f32));
-        let sums = filter.products(optics, observation, [at[0], at[1]], derivatives)?;
-        let products = Products { reference: at, sums: Matrix6::from_fn(|i, j| sums[i][j]) };
+        let sums = filter.products(optics, observation, [at[0], at[1]], derivatives, None)?;
+        let products = Products { reference: at, sums: Matrix6::from_fn(|i, j| sums[(i, j)]) };
         reference.set(observed.exposure(&products));
         Ok(products)
     }
