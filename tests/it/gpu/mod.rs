@@ -12,6 +12,7 @@ mod contenders_are_right;
 mod fits;
 mod images;
 mod scenes;
+mod shifts;
 mod stages;
 mod twins;
 
