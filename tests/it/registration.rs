@@ -1,15 +1,11 @@
 //! The first guess of a shift, on blurred, dimmed, veiled and noisy renders.
 
-
-
-use common::{texture, with_noise};
+use crate::common::{texture, with_noise};
 use narrowbeam::filter::cpu::CpuFilter;
-use narrowbeam::filter::registration::coarse_shift;
-use narrowbeam::filter::{Optics, Target};
+use narrowbeam::filter::{Optics, Target, coarse_shift};
 use narrowbeam::geometry::Geometry;
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
-use narrowbeam::phase::Gaussian;
 use narrowbeam::spread::Model;
 
 const SMALL: [[f64; 2]; 4] = [[0.0, 0.0], [0.3, -0.2], [1.7, 0.4], [-12.3, 7.6]];
@@ -48,9 +44,8 @@ fn guess(
     let view = View::centred((width, height), (128, 112));
     let border = Border::Mirror;
     let target = Target { radiance: object, behind: &[], geometry: &geometry, border, view, relief: None };
-    let phase = Gaussian::new(B).unwrap();
-    let medium = Medium::new(tau / Z, 0.1).unwrap();
-    let optics = Optics { model: Model::SmallAngle, medium, phase: &phase };
+    let medium = Medium::gaussian(tau / Z, 0.1, B).unwrap();
+    let optics = Optics { model: Model::SmallAngle, medium };
     let filter = CpuFilter::new(target, &optics, 1.0).unwrap();
     let mut seen = filter.render_shifted(&optics, shift_px).unwrap();
     seen.data.iter_mut().for_each(|v| *v = 0.6 * *v + 0.1);

@@ -1,21 +1,18 @@
 //! Renders moved by a fraction of a pixel: what a shift is, on the CPU against the f64 rung, and its derivatives.
 
-
-
-use common::{pixels, relative_l2, sloping, texture};
+use crate::common::{pixels, relative_l2, sloping, texture};
 use narrowbeam::filter::cpu::CpuFilter;
 use narrowbeam::filter::{Filter, Optics, Target, direct_sum, per_depth};
 use narrowbeam::geometry::{Camera, Field, Geometry};
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
-use narrowbeam::phase::Gaussian;
 use narrowbeam::relief::Relief;
 use narrowbeam::spread::Model;
 
 const B: f64 = 0.004;
 
-fn optics(phase: &Gaussian) -> Optics<'_> {
-    Optics { model: Model::SmallAngle, medium: Medium::new(0.9, 0.1).unwrap(), phase }
+fn optics(b: f64) -> Optics {
+    Optics { model: Model::SmallAngle, medium: Medium::gaussian(0.9, 0.1, b).unwrap() }
 }
 
 /// A texture before a geometry, of which the view shows a part.
@@ -73,7 +70,7 @@ impl Scene {
 
     /// A half plane before a slope.
     fn edge(border: Border) -> Self {
-        let geometry = common::edge_and_slope(40);
+        let geometry = crate::common::edge_and_slope(40);
         let relief = Filter::Composite.relief(&geometry);
         Self { relief, ..Self::new(geometry, border) }
     }
@@ -90,13 +87,11 @@ impl Scene {
     }
 
     fn filter(&self) -> CpuFilter<'_> {
-        let phase = Gaussian::new(B).unwrap();
-        CpuFilter::new(self.target(), &optics(&phase), 1.0).unwrap()
+        CpuFilter::new(self.target(), &optics(B), 1.0).unwrap()
     }
 
     fn shifted(&self, shift_px: [f64; 2]) -> Vec<f64> {
-        let phase = Gaussian::new(B).unwrap();
-        pixels(&self.filter().render_shifted(&optics(&phase), shift_px).unwrap()).collect()
+        pixels(&self.filter().render_shifted(&optics(B), shift_px).unwrap()).collect()
     }
 }
 
@@ -104,15 +99,14 @@ const BORDERS: [Border; 3] = [Border::Zero, Border::Clamp, Border::Mirror];
 
 #[test]
 fn no_shift_changes_nothing() {
-    let phase = Gaussian::new(B).unwrap();
     for scene in
         [Scene::plane([40, 32], Border::Zero), Scene::perspective(Border::Mirror), Scene::edge(Border::Clamp)]
     {
         let filter = scene.filter();
-        let plain = filter.render_with_gradient(&optics(&phase)).unwrap();
-        let shifted = filter.render_shifted_with_gradient(&optics(&phase), [0.0; 2]).unwrap();
+        let plain = filter.render_with_gradient(&optics(B)).unwrap();
+        let shifted = filter.render_shifted_with_gradient(&optics(B), [0.0; 2]).unwrap();
         assert!(plain.motion.is_none() && shifted.motion.is_some());
-        let image = filter.render_shifted(&optics(&phase), [0.0; 2]).unwrap();
+        let image = filter.render_shifted(&optics(B), [0.0; 2]).unwrap();
         assert_eq!(image, shifted.image);
         let gradients = shifted.gradient.unwrap().into_iter().zip(plain.gradient.unwrap());
         for (a, b) in std::iter::once((shifted.image, plain.image)).chain(gradients) {
@@ -124,11 +118,10 @@ fn no_shift_changes_nothing() {
 
 #[test]
 fn whole_pixels_translate_the_render() {
-    let phase = Gaussian::new(B).unwrap();
     for border in BORDERS {
         let scene = Scene::plane([40, 32], border);
         let whole = Scene { view: View::whole(40, 32), ..Scene::plane([40, 32], border) };
-        let wide = whole.filter().render(&optics(&phase)).unwrap();
+        let wide = whole.filter().render(&optics(B)).unwrap();
         let View { x, y, width, height } = scene.view;
         // The view lies 6 and 4 px within the image, so this brings in nothing but the image.
         let (dx, dy) = (-5, 3);
@@ -144,8 +137,7 @@ fn whole_pixels_translate_the_render() {
 #[test]
 fn a_mirrored_border_comes_in_mirrored() {
     let scene = Scene { view: View::whole(40, 32), ..Scene::plane([40, 32], Border::Mirror) };
-    let phase = Gaussian::new(B).unwrap();
-    let image = scene.filter().render(&optics(&phase)).unwrap();
+    let image = scene.filter().render(&optics(B)).unwrap();
     let at = |i: i64, n: usize| Border::Mirror.index(i, n).unwrap();
     let mirrored = Image::from_fn(40, 32, |x, y| image.at(at(x as i64 - 9, 40), at(y as i64 + 7, 32)));
     let off = relative_l2(scene.shifted([9.0, -7.0]), pixels(&mirrored));
@@ -154,13 +146,12 @@ fn a_mirrored_border_comes_in_mirrored() {
 
 #[test]
 fn whole_pixels_translate_the_definition() {
-    let phase = Gaussian::new(B).unwrap();
     for border in BORDERS {
         let scene = Scene::plane([30, 26], border);
         let View { x, y, width, height } = scene.view;
         let moved = Target { view: View { x: x + 2, y: y - 3, width, height }, ..scene.target() };
-        let definition = direct_sum::render(&moved, &optics(&phase)).unwrap();
-        let second = per_depth::render_shifted(&scene.target(), &optics(&phase), [-2.0, 3.0]).unwrap();
+        let definition = direct_sum::render(&moved, &optics(B)).unwrap();
+        let second = per_depth::render_shifted(&scene.target(), &optics(B), [-2.0, 3.0]).unwrap();
         let off = relative_l2(second, definition);
         // The bound of the second rung, tests/filter_rungs.rs: a shift by whole pixels adds nothing to it.
         assert!(off < 2e-5, "{border:?}: {off:.1e}");
@@ -172,8 +163,7 @@ const FAST_RUNG: f64 = 1e-4;
 
 /// How far the CPU's render moved by `shift_px` is from that of the f64 rung moved by `exact_px`.
 fn from_f64(scene: &Scene, shift_px: [f64; 2], exact_px: [f64; 2]) -> f64 {
-    let phase = Gaussian::new(B).unwrap();
-    let second = per_depth::render_shifted(&scene.target(), &optics(&phase), exact_px).unwrap();
+    let second = per_depth::render_shifted(&scene.target(), &optics(B), exact_px).unwrap();
     relative_l2(scene.shifted(shift_px), second)
 }
 
@@ -212,14 +202,12 @@ fn a_hundredth_of_a_pixel_is_told_apart() {
 #[test]
 fn derivatives_are_those_of_the_shifted_image() {
     let shift_px = [0.35, -0.6];
-    let phase = Gaussian::new(B).unwrap();
     for scene in [Scene::slope(Border::Zero), Scene::perspective(Border::Clamp), Scene::edge(Border::Mirror)]
     {
         let filter = scene.filter();
-        let rendering = filter.render_shifted_with_gradient(&optics(&phase), shift_px).unwrap();
+        let rendering = filter.render_shifted_with_gradient(&optics(B), shift_px).unwrap();
         let of = |sigma_s: f64, sigma_a: f64, b: f64, shift_px: [f64; 2]| -> Vec<f64> {
-            let phase = Gaussian::new(b).unwrap();
-            let optics = Optics { medium: Medium::new(sigma_s, sigma_a).unwrap(), ..optics(&phase) };
+            let optics = Optics { medium: Medium::gaussian(sigma_s, sigma_a, b).unwrap(), ..optics(b) };
             pixels(&filter.render_shifted(&optics, shift_px).unwrap()).collect()
         };
         let at = |step: [f64; 5]| {

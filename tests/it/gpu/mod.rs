@@ -19,7 +19,7 @@ mod twins;
 use narrowbeam::gpu::Gpu;
 
 /// The device that the tests share.
-fn gpu() -> &'static Gpu {
+pub fn gpu() -> &'static Gpu {
     static GPU: std::sync::OnceLock<Gpu> = std::sync::OnceLock::new();
     GPU.get_or_init(|| {
         let gpu = Gpu::open().expect("these tests need a graphics adapter: see scripts/test.sh");

@@ -1,16 +1,15 @@
 //! Renders moved by a fraction of a pixel: stages against their twins, images and sums against those of the CPU.
 
+use super::gpu;
+use super::scenes::{self, Scene};
+use super::stages::{Draw, OBJECT, PIXELS, canvas, check, complex_buffer, floats, run};
+use super::twins::{arrive, crop, shift};
 use crate::common::{pixels, relative_l2};
-use crate::gpu;
-use crate::scenes::{self, Scene};
-use crate::stages::{Draw, OBJECT, PIXELS, canvas, check, complex_buffer, floats, run};
-use crate::twins::{arrive, crop, shift};
 use narrowbeam::filter::Optics;
 use narrowbeam::filter::cpu::{CpuFilter, Rendering};
 use narrowbeam::filter::gpu::{Collect, Crop, GpuFilter, ShiftBy, shaders};
 use narrowbeam::image::Image;
 use narrowbeam::medium::Medium;
-use narrowbeam::phase::Gaussian;
 use narrowbeam::spread::Model;
 
 #[test]
@@ -97,8 +96,8 @@ fn crop_equals_its_twin() {
 
 const SHIFT_PX: [f64; 2] = [1.3, -0.45];
 
-fn optics(phase: &Gaussian) -> Optics<'_> {
-    Optics { model: Model::SmallAngle, medium: Medium::new(0.8, 0.1).unwrap(), phase }
+fn optics(b: f64) -> Optics {
+    Optics { model: Model::SmallAngle, medium: Medium::gaussian(0.8, 0.1, b).unwrap() }
 }
 
 /// Image, derivatives in sigma_s, sigma_a, B and in the shift.
@@ -110,8 +109,7 @@ fn planes(rendering: Rendering) -> [Image; 6] {
 /// Distances of the images of a [`Rendering`] from those of the CPU, then of the image alone; the device moves by
 /// `shift_px`, the CPU by [`SHIFT_PX`].
 fn distances(scene: &Scene, shift_px: [f64; 2]) -> Vec<f64> {
-    let phase = Gaussian::new(0.003).unwrap();
-    let optics = optics(&phase);
+    let optics = optics(0.003);
     let cpu = CpuFilter::new(scene.target(), &optics, 1.0).unwrap();
     let filter = GpuFilter::new(gpu(), scene.target(), &optics, 1.0).unwrap();
     let theirs = planes(cpu.render_shifted_with_gradient(&optics, SHIFT_PX).unwrap());
@@ -147,22 +145,20 @@ fn another_shift_is_told_apart() {
 
 #[test]
 fn no_shift_changes_nothing_and_plain_renders_stay_what_they_are() {
-    let phase = Gaussian::new(0.003).unwrap();
     for scene in scenes::all().iter().filter(|s| s.name.starts_with("perspective") || s.name == "two depths")
     {
-        let filter = GpuFilter::new(gpu(), scene.target(), &optics(&phase), 1.0).unwrap();
-        let plain = filter.render(&optics(&phase)).unwrap();
-        let still = filter.render_shifted(&optics(&phase), [0.0; 2]).unwrap();
+        let filter = GpuFilter::new(gpu(), scene.target(), &optics(0.003), 1.0).unwrap();
+        let plain = filter.render(&optics(0.003)).unwrap();
+        let still = filter.render_shifted(&optics(0.003), [0.0; 2]).unwrap();
         let off = relative_l2(pixels(&still), pixels(&plain));
         assert!(off < 1e-6, "{}: {off:.1e}", scene.name);
-        assert_eq!(filter.render(&optics(&phase)).unwrap(), plain, "{}", scene.name);
+        assert_eq!(filter.render(&optics(0.003)).unwrap(), plain, "{}", scene.name);
     }
 }
 
 #[test]
 fn sums_of_a_moved_render_are_those_of_its_images() {
-    let phase = Gaussian::new(2e-5).unwrap();
-    let optics = optics(&phase);
+    let optics = optics(2e-5);
     let scene = Scene::slope((96, 64), 96).border(narrowbeam::image::Border::Mirror);
     let cpu = CpuFilter::new(scene.target(), &optics, 1.0).unwrap();
     let images = planes(cpu.render_shifted_with_gradient(&optics, SHIFT_PX).unwrap());
