@@ -2,8 +2,8 @@
 
 use crate::error::Result;
 use crate::image::Image;
+use crate::lab::study::grid::{Extent, METHODS};
 use crate::lab::study::stability::OutcomeKind;
-use crate::lab::study::sweeps::{Extent, METHODS};
 use crate::lab::study::trial::Trial;
 use crate::phase::PhaseFunction;
 use crate::plots::{Axis, ChartGrid, LineChart, Map, MapGrid, MapRow, Series, Shade};
