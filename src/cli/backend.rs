@@ -6,7 +6,7 @@ use crate::gpu::{Gpu, adapters};
 use crate::scene::Scene;
 use clap::ValueEnum;
 
-/// What the user asks for.
+/// What the user wants.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum Wanted {
     Auto,
@@ -29,7 +29,7 @@ const PIXEL_SECONDS: [f64; 2] = [4e-8, 3e-7];
 const WORTHWHILE_SECONDS: f64 = 2.0;
 
 impl Chosen {
-    /// The choice for so many `evaluations` of each channel of `scenes`, at one depth and over a depth map.
+    /// The choice for this number of `evaluations` of each channel of `scenes`, at one depth and over a depth map.
     ///
     /// # Errors
     /// [`Error::NoAdapter`] or [`Error::Gpu`] if a graphics adapter is wanted and there is none, or it cannot be opened.

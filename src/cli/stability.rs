@@ -1,4 +1,4 @@
-//! `narrowbeam stability`: where each method fails, and whether it says so.
+//! `narrowbeam stability`: where each method fails, and whether it reports that.
 
 mod pictures;
 
@@ -7,8 +7,9 @@ use super::{aligned, say};
 use crate::fit::WarningCode;
 use crate::forward::Quantity;
 use crate::io::atomic;
+use crate::lab::study::grid::{Extent, grid};
 use crate::lab::study::stability::OutcomeKind;
-use crate::lab::study::sweeps::{Extent, SWEEP_TRACES, grid, sweeps};
+use crate::lab::study::sweeps::{SWEEP_TRACES, sweeps};
 use crate::lab::study::trial::{Tally, Trial};
 use crate::phase::PhaseFunction;
 use anyhow::Result;
@@ -46,8 +47,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     pictures::write(&arguments.out, &trials, &extent)?;
     let Tally { fits, silent, right, false_alarms } = Tally::of(&trials);
     say(&format!(
-        "{}{silent} of {fits} fits failed silently; {false_alarms} of {right} that are right, inside their model's validity and in \
-         a world that is what the scene says, carry a warning\n",
+        "{}{silent} of {fits} fits failed silently; {false_alarms} of {right} that are right, inside their model's range and with \
+         a scene file that is right, carry a warning\n",
         aligned(&summary(&trials))
     ))?;
     Ok(ExitCode::SUCCESS)
@@ -97,7 +98,7 @@ fn names(codes: &[WarningCode]) -> String {
     codes.iter().map(|code| code.name()).collect::<Vec<_>>().join(" ")
 }
 
-/// How often each method ended in which way, on the grid and on each sweep.
+/// How often each method had each kind of outcome, on the grid and on each sweep.
 fn summary(trials: &[Trial]) -> Vec<Vec<String>> {
     let mut keys: Vec<(&str, String)> = Vec::new();
     for t in trials {
@@ -114,7 +115,7 @@ fn summary(trials: &[Trial]) -> Vec<Vec<String>> {
         OutcomeKind::Refused,
         OutcomeKind::Silent,
     ];
-    let head = ["sweep", "method", "fits", "intervals that hold the truth"];
+    let head = ["sweep", "method", "fits", "intervals that contain the truth"];
     let head = head.into_iter().chain(ALL.map(OutcomeKind::name)).map(String::from);
     let row = |(sweep, method): &(&str, String)| {
         let here: Vec<&Trial> =

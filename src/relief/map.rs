@@ -76,8 +76,8 @@ impl<'a> DepthMap<'a> {
     }
 }
 
-/// Standard deviation of the noise of a depth map, from the median second difference along its rows: slopes do not
-/// count in it, edges hardly.
+/// Standard deviation of the noise of a depth map, from the median second difference along its rows, on which
+/// slopes have no influence and edges little.
 fn noise(depth: &[f64], width: usize) -> f64 {
     let second_differences: Vec<f64> = depth
         .chunks(width)
@@ -87,7 +87,7 @@ fn noise(depth: &[f64], width: usize) -> f64 {
     if second_differences.is_empty() {
         return 0.0;
     }
-    // The median of |x| is .6745 standard deviations of a normal x, and a second difference has variance 1 + 4 + 1.
+    // The median of |x| is 0.6745 standard deviations of a normal x, and a second difference has variance 1 + 4 + 1.
     median(second_differences) / (0.6745 * 6.0_f64.sqrt())
 }
 

@@ -107,7 +107,7 @@ fn peers(charted: &[Charted]) -> String {
     text
 }
 
-/// What is on the fronts, from fast to exact.
+/// The points on the fronts, from fast to exact.
 pub(super) fn fronts(charted: &[Charted], clock: Clock) -> Vec<Vec<String>> {
     let head = ["dataset", "", "front, from fast to exact", clock.unit(), "error %", "floor %"];
     let mut rows = vec![head.map(String::from).to_vec()];

@@ -10,7 +10,7 @@ use std::path::Path;
 /// The files of this figure.
 pub(super) const FILES: [&str; 4] = ["fig6.png", "fig6.svg", "fig6.csv", "fig6_errors.csv"];
 
-/// Radii up to this many depths are drawn; beyond, the light is next to nothing.
+/// Radii up to this many depths are drawn; beyond, there is almost no light.
 const DRAWN: f64 = 1.5;
 
 /// Writes picture and tables into `dir` and returns the errors for people.

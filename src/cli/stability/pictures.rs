@@ -2,8 +2,8 @@
 
 use crate::error::Result;
 use crate::image::Image;
+use crate::lab::study::grid::{Extent, METHODS};
 use crate::lab::study::stability::OutcomeKind;
-use crate::lab::study::sweeps::{Extent, METHODS};
 use crate::lab::study::trial::Trial;
 use crate::phase::PhaseFunction;
 use crate::plots::{Axis, ChartGrid, LineChart, Map, MapGrid, MapRow, Series, Shade};
@@ -33,7 +33,7 @@ pub(super) fn write(dir: &Path, trials: &[Trial], extent: &Extent) -> Result<()>
     errors.write_png(&dir.join(FILES[0]))?;
     errors.write_svg(&dir.join(FILES[1]))?;
     let kinds = Shown {
-        title: "What the program says of its own fits to traced images; outlined: within what it states, no warning",
+        title: "What the program reports of its own fits to traced images; outlined: within the stated errors, no warning",
         shade: Shade::Sequential { max: OutcomeKind::Silent as u8 as f64 },
         label: "0 right  1 right but warned  2 undetermined  3 warned  4 refused  5 silent failure",
         value: |t| f64::from(t.outcome.kind() as u8),
@@ -46,7 +46,7 @@ pub(super) fn write(dir: &Path, trials: &[Trial], extent: &Extent) -> Result<()>
     sweeps.write_svg(&dir.join(FILES[5]))
 }
 
-/// What maps over the grid show.
+/// What the maps over the grid show.
 struct Shown {
     title: &'static str,
     shade: Shade,
@@ -93,7 +93,7 @@ fn cells(values: &[f64]) -> std::ops::Range<f64> {
     first - half..last + half
 }
 
-/// The sweeps that have a number to stand over, and what that is.
+/// The sweeps along a number, and the meaning of that number.
 const CURVES: [Curve; 7] = [
     Curve { sweep: "noise", label: "noise over mean radiance", log: false },
     Curve { sweep: "kernel width", label: "kernel width z sqrt(B) (px)", log: true },

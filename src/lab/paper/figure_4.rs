@@ -1,4 +1,4 @@
-//! Figure 4: maps of 2 pi r Psi over (r, z) for several spread angles, sigma_t = 1, sigma_s = .95.
+//! Figure 4: maps of 2 pi r Psi over (r, z) for several spread angles, sigma_t = 1, sigma_s = 0.95.
 
 use super::{ALBEDO, Effort, Experiment, Plane};
 

@@ -1,4 +1,4 @@
-//! Figure 5: the relative rms error of the kernels against the spread angle, sigma_t = 1, sigma_s = .95, at z = 1, 2, 3.
+//! Figure 5: the relative rms error of the kernels against the spread angle, sigma_t = 1, sigma_s = 0.95, at z = 1, 2, 3.
 //!
 //! The paper does not define its error. Ours is that of 2 pi r Psi over 0 < r < 3 z, see [`crate::lab::compare::rms_error`].
 

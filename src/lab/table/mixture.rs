@@ -1,9 +1,9 @@
-//! Light in bins of radius laid out on the mixture's Gaussians.
+//! Light in bins of radius expanded in the mixture's Gaussians.
 //!
 //! The shares that make the binned light most likely, found by expectation maximisation (Dempster, Laird and Rubin
 //! 1977; in imaging, Richardson 1972 and Lucy 1974): p_j <- p_j sum_b d_b g_jb / sum_l p_l g_lb, with d the light in
-//! bin b and g_jb the share of Gaussian j that falls there. Shares stay positive and add up to 1, and as it starts
-//! from equal shares and is stopped, noise is not chased.
+//! bin b and g_jb the share of Gaussian j that falls there. Shares stay positive and add up to 1. The iteration
+//! starts from equal shares and stops early, so noise is not fitted.
 
 use crate::spread::wide_angle::layout::relative_width;
 use libm::erf;
@@ -21,7 +21,7 @@ impl Laid {
         Self::new(gaussians, edges, |y| -(-0.5 * y * y).exp_m1())
     }
 
-    /// Of their gradients, whose light in a ring is ∝ r² exp(-r²/2s²): Maxwell's distribution.
+    /// Of the gradients of Gaussians, whose light in a ring is ∝ r² exp(-r²/2s²): Maxwell's distribution.
     pub(super) fn slope(gaussians: usize, edges: &[f64]) -> Self {
         Self::new(gaussians, edges, |y| {
             erf(y / 2.0_f64.sqrt()) - (2.0 / PI).sqrt() * y * (-0.5 * y * y).exp()

@@ -1,5 +1,5 @@
-//! Makes the tables of the model `wide-angle`: light scattered once by quadrature, the rest traced, both laid out on
-//! the mixture's Gaussians.
+//! Makes the tables of the model `wide-angle`: light scattered once by quadrature, the rest traced, both expanded
+//! in the mixture's Gaussians.
 
 mod mixture;
 mod once;
@@ -43,10 +43,10 @@ impl Radial {
     }
 }
 
-/// Least and most paths of a node, as a multiple of those asked for.
+/// Smallest and largest number of paths of a node, as a multiple of those requested.
 const EFFORT: (f64, f64) = (0.02, 8.0);
 
-/// Paths that a node needs, as a multiple of those asked for, for an even noise as a share of the scattered light. Only light
+/// Paths that a node needs, as a multiple of those requested, for the same noise relative to the scattered light. Only light
 /// scattered more than once is traced; and where small-angle theory is off by some tau D² a /4 in the logarithm of the
 /// light, most paths are absorbed on their excess length.
 fn effort(place: &Place) -> f64 {

@@ -1,4 +1,4 @@
-//! The way of the peer: estimates of Mitsuba's differentiable path tracer, iteration by iteration, as
+//! The trajectory of the peer: estimates of Mitsuba's differentiable path tracer, iteration by iteration, as
 //! `scripts/peer_mitsuba.py` writes them.
 
 use super::dataset::Dataset;
