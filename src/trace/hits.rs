@@ -9,7 +9,8 @@
 //! the errors are white. Sharing saves the drawing of the paths, not the way to the surface, and loses even at equal time
 //! (docs/wide-angle.md, tests/it/traced_shapes.rs).
 
-use super::image::{ImageConfig, checked};
+use super::config::ImageConfig;
+use super::image::checked;
 use super::likelihood::{Effective, Information, Likelihood, Reweighting};
 use super::rng::Stream;
 use super::scene::Tracer;

@@ -14,6 +14,7 @@
 //!
 //! Not modelled: refraction at the surface, light scattered in from the illumination, light between objects.
 
+mod config;
 mod histories;
 mod hits;
 mod image;
@@ -29,9 +30,10 @@ mod scene;
 mod surface;
 mod tally;
 
+pub use config::ImageConfig;
 pub use histories::{Histories, History, Scattered, trace_histories};
 pub use hits::{BATCHES, Hits};
-pub use image::{ImageConfig, TracedImage, trace_image};
+pub use image::{TracedImage, trace_image};
 pub use likelihood::{Change, Effective, Information, Likelihood, Reweighting, Weight};
 pub use path::{Path, free_path};
 pub(crate) use radial::annulus_mean;
