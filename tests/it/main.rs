@@ -1,5 +1,6 @@
 //! All integration tests, a module a subject: `cargo test --release --test it filter_rungs:: -- --nocapture` runs one.
 
+mod architecture;
 mod bright_squares;
 mod cli;
 mod cli_kernel_trace;

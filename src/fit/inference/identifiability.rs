@@ -7,6 +7,7 @@
 //! gain·exp(-sigma_a z). For Henyey-Greenstein's phase function 1 - g takes the place of B.
 
 use super::channel_fit::ChannelFit;
+use super::combination::Combination;
 use super::covariance::Status;
 use crate::fit::observation::Observation;
 use crate::fit::parameters::Id;
@@ -14,7 +15,6 @@ use crate::forward::Quantity;
 use crate::geometry::path_lengths;
 use crate::phase::Family;
 use nalgebra::DVector;
-use serde::{Deserialize, Serialize};
 
 /// Correlation of two errors above which what is known of both together is worth telling.
 const ENTANGLED: f64 = 0.95;
@@ -34,22 +34,6 @@ const POWERS: [(f64, &str); 7] = [
     (-1.0, "/b"),
     (1.0 / 3.0, "·b^(1/3)"),
 ];
-
-/// A combination of parameters that the data determine.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-pub struct Combination {
-    /// What it is, in the names of the parameters.
-    pub combination: String,
-    /// Its value at the estimate.
-    pub value: f64,
-    /// Standard error from the noise and from stated errors of depth and gain.
-    pub std_error: f64,
-    /// The same over the value.
-    pub relative_error: f64,
-    /// Error of the model; `None` where it is not known, as where a free gain takes part.
-    pub model_error: Option<f64>,
-}
 
 struct Candidate {
     name: String,

@@ -2,6 +2,7 @@
 //! is noise.
 
 mod channel_fit;
+mod combination;
 mod covariance;
 mod displacement;
 mod exposure;
@@ -11,9 +12,9 @@ mod lack_of_fit;
 mod model_error;
 
 pub use channel_fit::ChannelFit;
+pub use combination::Combination;
 pub use covariance::{Covariance, Status};
 pub use exposure::ExposureEstimate;
-pub use identifiability::Combination;
 pub use input_error::InputError;
 pub use model_error::ModelError;
 
