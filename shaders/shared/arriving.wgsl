@@ -1,5 +1,5 @@
 // What arrives at the camera: scattered light, weighted for the obliquity that it was computed for and to be summed over
-// obliquities, and the direct light of the nearest segment. Mirrors `Collect` of src/filter/gpu/layout.rs.
+// obliquities, and the direct light of the nearest slab. Mirrors `Collect` of src/filter/gpu/layout.rs.
 
 struct Collect {
     canvas: Canvas,
@@ -37,9 +37,9 @@ fn arriving(on_canvas: u32, seen: u32, pixel: i32) -> vec4f {
     }
     let pixels = collect.view_width * collect.view_height;
     sum *= weights[min(collect.before * pixels + seen, arrayLength(&weights) - 1u)];
-    for (var sheet = 0u; sheet < canvas.sheets && collect.direct == 1u && pixel >= 0; sheet++) {
-        let source = sources[sheet * canvas.object_width * canvas.object_height + u32(pixel)];
-        if source.segment == 0u {
+    for (var layer = 0u; layer < canvas.layers && collect.direct == 1u && pixel >= 0; layer++) {
+        let source = sources[layer * canvas.object_width * canvas.object_height + u32(pixel)];
+        if source.slab == 0u {
             sum += direct(source.light, collect.sigma_t, source.z / source.cosine, collect.unit);
         }
     }

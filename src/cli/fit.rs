@@ -166,7 +166,7 @@ fn print(arguments: &Arguments, fit: &SceneFit, chosen: &Chosen) -> Result<()> {
     let mut text = aligned(&report.table("1/length"));
     report.remarks().iter().for_each(|line| text += &format!("{line}\n"));
     text += &format!("{}\n", how_it_went(arguments, fit, chosen));
-    report.ladder.iter().for_each(|candidate| text += &format!("{}\n", candidate.line()));
+    report.candidates.iter().for_each(|candidate| text += &format!("{}\n", candidate.line()));
     if arguments.json {
         eprint!("{text}");
         say(&format!("{}\n", serde_json::to_string_pretty(report)?))?;

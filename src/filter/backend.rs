@@ -4,7 +4,7 @@ use super::cpu::{CpuFilter, Rendering};
 #[cfg(feature = "gpu")]
 use super::gpu::GpuFilter;
 use super::plan::{Coverage, Plan};
-use super::sources::Sheet;
+use super::sources::Layer;
 use super::{Optics, Target};
 use crate::error::Result;
 #[cfg(feature = "gpu")]
@@ -63,7 +63,7 @@ impl<'a> Backend<'a> {
         self.of(Plan::new(target, optics, headroom)?)
     }
 
-    /// Prepares `target` with at most `count` slices along z between any two screens and padding for kernels that reach
+    /// Prepares `target` with at most `count` slices along z between any two occluders and padding for kernels that reach
     /// `reach_px` pixels.
     ///
     /// # Errors
@@ -72,7 +72,7 @@ impl<'a> Backend<'a> {
         self.of(Plan::with_slices(target, count, reach_px))
     }
 
-    /// Prepares radiance 1 on all that is supposed, but not known, to lie behind the screens of `relief`.
+    /// Prepares radiance 1 on the surfaces inpainted behind the occluders of `relief`.
     pub(super) fn prepare_hidden(
         self,
         target: Target<'a>,
@@ -82,7 +82,7 @@ impl<'a> Backend<'a> {
         self.of(Plan::of_hidden(target, relief, optics)?)
     }
 
-    fn of(self, plan: (Plan<'a>, Vec<Sheet>)) -> Result<Prepared<'a>> {
+    fn of(self, plan: (Plan<'a>, Vec<Layer>)) -> Result<Prepared<'a>> {
         Ok(match self {
             Backend::Cpu => Prepared::Cpu(Box::new(CpuFilter::of(plan))),
             #[cfg(feature = "gpu")]

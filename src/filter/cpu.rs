@@ -1,8 +1,8 @@
 //! The fast path: f32 FFTs of a few depth slices, on all cores.
 //!
 //! A plan holds the transforms of the object weighted for each slice; they do not depend on the medium. A render
-//! goes from far to near: the light behind each screen is gathered there in the frequency domain, loses in the image
-//! what the screen covers, and is carried on to the next. Slices between two screens share one inverse FFT; a screen
+//! goes from far to near: the light behind each occluder is gathered there in the frequency domain, loses in the image
+//! what the occluder covers, and is carried on to the next. Slices between two occluders share one inverse FFT; an occluder
 //! costs one more, and a forward one. Derivatives cost three times as many (two if there is a single depth, where the
 //! derivative in sigma_a is -z times the image). A perspective view takes a few renders, one for each of its
 //! obliquities (`obliquity`).
@@ -10,10 +10,10 @@
 use super::canvas::Canvas;
 use super::obliquity::Obliquity;
 use super::plan::{Coverage, Plan};
-use super::segment::Segment;
 use super::shift::Shift;
+use super::slab::Slab;
 use super::slices::Slices;
-use super::sources::Sheet;
+use super::sources::Layer;
 use super::{Optics, Target};
 use crate::error::Result;
 use crate::image::Image;
@@ -34,8 +34,8 @@ pub struct Rendering {
 pub struct CpuFilter<'a> {
     plan: Plan<'a>,
     canvas: Canvas,
-    /// From near to far; all but the first lie behind a screen.
-    segments: Vec<Segment>,
+    /// From near to far; all but the first lie behind an occluder.
+    slabs: Vec<Slab>,
 }
 
 impl<'a> CpuFilter<'a> {
@@ -47,19 +47,19 @@ impl<'a> CpuFilter<'a> {
         Ok(Self::of(Plan::new(target, optics, headroom)?))
     }
 
-    /// Prepares `target` with at most `count` slices along z between any two screens and padding for kernels that reach
+    /// Prepares `target` with at most `count` slices along z between any two occluders and padding for kernels that reach
     /// `reach_px` pixels.
     pub fn with_slices(target: Target<'a>, count: usize, reach_px: f64) -> Self {
         Self::of(Plan::with_slices(target, count, reach_px))
     }
 
-    pub(super) fn of((plan, sheets): (Plan<'a>, Vec<Sheet>)) -> Self {
+    pub(super) fn of((plan, layers): (Plan<'a>, Vec<Layer>)) -> Self {
         let canvas = Canvas::new(&plan.target, plan.reach_px);
-        let segment = |(passed, slices): (usize, &Option<Slices>)| {
-            Segment::new((&plan, &canvas), &sheets, passed, slices.clone())
+        let slab = |(passed, slices): (usize, &Option<Slices>)| {
+            Slab::new((&plan, &canvas), &layers, passed, slices.clone())
         };
-        let segments = plan.slices.iter().enumerate().map(segment).collect();
-        Self { canvas, segments, plan }
+        let slabs = plan.slices.iter().enumerate().map(slab).collect();
+        Self { canvas, slabs, plan }
     }
 
     /// How far padding and slices serve the kernels of `optics` too.
@@ -78,7 +78,7 @@ impl<'a> CpuFilter<'a> {
     /// Number of real 2-D FFTs that one render by a model of small angles takes, without and with the derivatives, and
     /// their size.
     pub fn transforms(&self) -> (usize, usize, [usize; 2]) {
-        let images = (2 * self.segments.len() - 1) * self.plan.obliquities.count();
+        let images = (2 * self.slabs.len() - 1) * self.plan.obliquities.count();
         let with_derivatives = if self.plan.single_depth().is_some() { 3 * images } else { 4 * images };
         (images, with_derivatives, [self.canvas.fft.width, self.canvas.fft.height])
     }
@@ -130,10 +130,10 @@ impl<'a> CpuFilter<'a> {
     fn planes(&self, optics: &Optics, count: usize) -> Result<Vec<Vec<f32>>> {
         if optics.model == Model::BeerLambert {
             let mut planes = vec![vec![0.0; self.canvas.pixels()]; count];
-            for segment in self.segments.iter().rev() {
-                segment.add_direct(&self.canvas, &optics.medium, 0.0, &mut planes);
-                if let Some(gate) = &segment.screen {
-                    planes.iter_mut().for_each(|plane| gate.stop(plane));
+            for slab in self.slabs.iter().rev() {
+                slab.add_direct(&self.canvas, &optics.medium, 0.0, &mut planes);
+                if let Some(mask) = &slab.occluder {
+                    planes.iter_mut().for_each(|plane| mask.apply(plane));
                 }
             }
             return Ok(planes);
@@ -153,29 +153,29 @@ impl<'a> CpuFilter<'a> {
             }
         }
         let mut planes = sum.expect("there is an obliquity");
-        self.segments[0].add_direct(&self.canvas, &optics.medium, 0.0, &mut planes);
+        self.slabs[0].add_direct(&self.canvas, &optics.medium, 0.0, &mut planes);
         Ok(planes)
     }
 
-    /// The same without the direct light of the first segment, for rays of one obliquity.
+    /// The same without the direct light of the first slab, for rays of one obliquity.
     fn scattered(&self, optics: &Optics, obliquity: Obliquity, count: usize) -> Result<Vec<Vec<f32>>> {
         // Light of small angles travels z, whatever is absorbed: d/d sigma_a is -z times the image.
         let single_depth = self.plan.single_depth().filter(|_| optics.model.rests_on_small_angles());
         let components: Vec<usize> = (0..count).filter(|&c| c != 2 || single_depth.is_none()).collect();
         let mut carried = None;
-        for segment in self.segments.iter().rev() {
-            let spectra = segment.gather(&self.canvas, (optics, obliquity), carried.as_ref(), &components)?;
+        for slab in self.slabs.iter().rev() {
+            let spectra = slab.gather(&self.canvas, (optics, obliquity), carried.as_ref(), &components)?;
             let mut fields: Vec<Vec<f32>> = spectra.into_iter().map(|s| self.canvas.fft.inverse(s)).collect();
             if let Some(node) = single_depth.filter(|_| count == 4) {
-                let z = obliquity.tilt(node).z as f32;
+                let z = obliquity.scaled(node).z as f32;
                 fields.insert(2, fields[0].iter().map(|v| -z * v).collect());
             }
-            match &segment.screen {
-                Some(gate) => carried = Some(segment.pass(gate, &self.canvas, &optics.medium, fields)),
+            match &slab.occluder {
+                Some(mask) => carried = Some(slab.pass(mask, &self.canvas, &optics.medium, fields)),
                 None => return Ok(fields),
             }
         }
-        unreachable!("the first segment has no screen")
+        unreachable!("the first slab has no occluder")
     }
 
     /// The part of the canvas under the target's view.

@@ -8,7 +8,7 @@
 //! averaged over pixel x. Its transform is the scattered transfer function times sinc² in each axis, summed over
 //! all its aliases ([`footprint`]).
 //!
-//! Four rungs, each tested against the one before: [`direct_sum`], the definition in real space, f64;
+//! Four implementations, each tested against the one before: [`direct_sum`], the definition in real space, f64;
 //! [`per_depth`], one f64 FFT for each distinct depth; [`cpu`], f32 FFTs of a few depth slices; [`gpu`], the same on a
 //! graphics adapter.
 //!
@@ -17,7 +17,6 @@
 
 mod backend;
 pub mod basis;
-mod bend;
 pub mod blur;
 mod canvas;
 pub mod composite_sum;
@@ -28,15 +27,16 @@ pub mod footprint;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod hidden;
-pub mod ladder;
+pub mod mixture;
 mod moved;
 mod obliquity;
 pub mod per_depth;
 mod plan;
 mod registration;
-mod segment;
 mod shift;
+mod slab;
 pub mod slices;
+mod slope_correction;
 mod sources;
 mod tables;
 mod transfer;
@@ -76,7 +76,7 @@ pub struct Target<'a> {
 /// A spread model with its medium: gives the kernel of any path length.
 #[derive(Clone, Copy)]
 pub struct Optics {
-    /// The rung of the ladder.
+    /// The spread model.
     pub model: Model,
     /// The medium.
     pub medium: Medium,

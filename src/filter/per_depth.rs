@@ -1,4 +1,4 @@
-//! The second rung: f64, one FFT for each distinct depth, aliases summed one by one.
+//! The second implementation: f64, one FFT for each distinct depth, aliases summed one by one.
 //!
 //! No interpolation in depth, obliquity or frequency; proven against [`super::direct_sum`] on small images and used where that
 //! would take too long.
@@ -9,7 +9,7 @@ use super::footprint::{aliases, baseband};
 use super::obliquity::Obliquity;
 use super::shift::Shift;
 use super::slices::Node;
-use super::sources::sheets;
+use super::sources::layers;
 use super::{Optics, Target};
 use crate::error::Result;
 use crate::image::View;
@@ -59,7 +59,7 @@ impl Canvas {
         let mut reach: f64 = 0.0;
         for (node, _) in &pixels_by_node(target) {
             for (obliquity, _) in &pixels_by_obliquity(target) {
-                let node = obliquity.tilt(*node);
+                let node = obliquity.scaled(*node);
                 reach = reach.max(optics.kernel(node.z)?.support(OUTSIDE) / node.pitch);
             }
         }
@@ -118,7 +118,7 @@ impl Canvas {
         let fft = &self.fft;
         let mut sum = vec![Complex::new(0.0, 0.0); fft.half_width() * fft.height];
         for (node, spectrum) in spectra {
-            let node = obliquity.tilt(node);
+            let node = obliquity.scaled(node);
             let kernel = optics.kernel(node.z)?;
             sum.par_chunks_mut(fft.height).zip(spectrum.par_chunks(fft.height)).enumerate().for_each(
                 |(kx, (out, spectrum))| {
@@ -165,7 +165,7 @@ pub(super) type Group = (Node, Vec<(usize, usize)>);
 /// The object's pixels under each distinct path length and pitch.
 pub(super) fn pixels_by_node(target: &Target) -> Vec<Group> {
     let mut groups: BTreeMap<[u64; 2], Group> = BTreeMap::new();
-    let object = &sheets(&Target { relief: None, ..*target })[0];
+    let object = &layers(&Target { relief: None, ..*target })[0];
     for (i, source) in object.iter().enumerate() {
         if let Some(node) = source.map(|s| s.node) {
             let key = [node.z.to_bits(), node.pitch.to_bits()];

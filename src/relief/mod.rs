@@ -6,7 +6,7 @@
 //! - **Slopes.** Within a surface nothing is occluded, but oblique paths meet a sloping surface at another rate: each
 //!   pixel has its own [`slope`](Slopes), from which the filter computes a slope correction.
 //! - **Occluders.** Across an edge the near surface blocks the light of what lies behind it. A few depths, the occluders
-//!   ([`screens`](Relief::screens)), represent all edges. At each of them some pixels are opaque.
+//!   ([`occluders`](Relief::occluders)), represent all edges. At each of them some pixels are opaque.
 //! - **Hidden light.** What lies behind opaque pixels is known from further layers, or not at all. Then its depth is
 //!   inpainted from the far side of the edge, and the light that it may send counts as hidden.
 //!
@@ -16,7 +16,7 @@
 
 mod front;
 mod map;
-mod screens;
+mod occluders;
 
 use crate::geometry::{Camera, Field, Geometry, median};
 use front::Front;
@@ -27,7 +27,7 @@ pub type Slopes = Vec<[f32; 2]>;
 
 /// An occluder: a depth at which near surfaces cover what lies behind.
 #[derive(Debug, Clone)]
-pub struct Screen {
+pub struct Occluder {
     /// Depth along the camera's axis: light from beyond must pass the occluder.
     pub depth: f64,
     /// Path length in the medium to the occluder, along the camera's axis: one for all pixels.
@@ -44,7 +44,7 @@ pub struct Relief {
     /// Slopes of the object and of each further layer; `None` for a layer without any.
     pub slopes: Vec<Option<Slopes>>,
     /// The occluders, from near to far.
-    pub screens: Vec<Screen>,
+    pub occluders: Vec<Occluder>,
 }
 
 impl Relief {
@@ -54,32 +54,31 @@ impl Relief {
         let facing =
             matches!((geometry.camera, &geometry.depth), (Camera::Orthographic { .. }, Field::Uniform(_)));
         if facing && geometry.behind.is_empty() {
-            return Self { slopes: vec![None], screens: Vec::new() };
+            return Self { slopes: vec![None], occluders: Vec::new() };
         }
         let maps: Vec<DepthMap> = fields().map(|field| DepthMap::new(geometry, field)).collect();
         let slopes = maps.iter().map(DepthMap::slopes).collect();
         let mut front = Front::new(&maps);
-        let mut screens = Vec::new();
-        for depth in screens::depths(&maps) {
+        let mut occluders = Vec::new();
+        for depth in occluders::depths(&maps) {
             let (opaque, hidden) = front.remove_before(depth);
             if opaque.contains(&true) {
-                screens.push(screen(&maps[0], depth, opaque, hidden));
+                occluders.push(occluder(&maps[0], depth, opaque, hidden));
             }
         }
-        settle_path_lengths(&mut screens, &maps);
-        Self { slopes, screens }
+        settle_path_lengths(&mut occluders, &maps);
+        Self { slopes, occluders }
     }
 
     /// Whether every pixel's light spreads freely, as eq. 29 has it.
     pub fn is_flat(&self) -> bool {
-        self.screens.is_empty() && self.slopes.iter().all(Option::is_none)
+        self.occluders.is_empty() && self.slopes.iter().all(Option::is_none)
     }
 
     /// Whether some light may come from surfaces that no image shows.
     pub fn hides(&self) -> bool {
-        let any =
-            |screen: &Screen| matches!(&screen.hidden, Field::Map(map) if map.data.iter().any(|&d| d > 0.0));
-        self.screens.iter().any(any)
+        let any = |occluder: &Occluder| matches!(&occluder.hidden, Field::Map(map) if map.data.iter().any(|&d| d > 0.0));
+        self.occluders.iter().any(any)
     }
 }
 
@@ -89,22 +88,22 @@ pub(crate) fn surface_slopes(geometry: &Geometry) -> Option<Slopes> {
 }
 
 /// The occluder at `depth`; its path length is the median over its opaque pixels.
-fn screen(map: &DepthMap, depth: f64, opaque: Vec<bool>, hidden: Field) -> Screen {
+fn occluder(map: &DepthMap, depth: f64, opaque: Vec<bool>, hidden: Field) -> Occluder {
     let covered = (0..opaque.len()).filter(|&i| opaque[i]);
     let z = median(covered.map(|i| map.path_length(i, depth)).collect());
-    Screen { depth, z, opaque, hidden }
+    Occluder { depth, z, opaque, hidden }
 }
 
 /// Under an uneven surface of the medium, an occluder's path length may exceed that of something behind it. Light cannot
 /// gain on its way, so the shorter one is then used for both.
-fn settle_path_lengths(screens: &mut [Screen], maps: &[DepthMap]) {
+fn settle_path_lengths(occluders: &mut [Occluder], maps: &[DepthMap]) {
     let mut beyond = f64::INFINITY;
-    for screen in screens.iter_mut().rev() {
+    for occluder in occluders.iter_mut().rev() {
         for map in maps {
             let behind =
-                |(i, &d): (usize, &f64)| (d > screen.depth && d.is_finite()).then(|| map.path_length(i, d));
+                |(i, &d): (usize, &f64)| (d > occluder.depth && d.is_finite()).then(|| map.path_length(i, d));
             beyond = map.depth.iter().enumerate().filter_map(behind).fold(beyond, f64::min);
         }
-        screen.z = screen.z.min(beyond);
+        occluder.z = occluder.z.min(beyond);
     }
 }

@@ -11,7 +11,7 @@ mod moving;
 mod products;
 mod render;
 mod resident;
-mod segment;
+mod slab;
 mod tables;
 
 pub mod shaders;
@@ -28,7 +28,7 @@ use super::canvas::Canvas;
 use super::cpu::Rendering;
 use super::plan::{Coverage, Plan};
 use super::shift::Shift;
-use super::sources::Sheet;
+use super::sources::Layer;
 use super::{Optics, Target};
 use crate::error::Result;
 use crate::gpu::Gpu;
@@ -36,7 +36,7 @@ use crate::image::Image;
 use moving::Moving;
 use render::Request;
 use resident::Resident;
-use segment::Segment;
+use slab::Slab;
 use std::cell::OnceCell;
 use wgpu::Buffer;
 
@@ -46,8 +46,8 @@ pub struct GpuFilter<'a> {
     plan: Plan<'a>,
     canvas: Canvas,
     fft: FftPlan,
-    /// From near to far; all but the first lie behind a screen.
-    segments: Vec<Segment>,
+    /// From near to far; all but the first lie behind an occluder.
+    slabs: Vec<Slab>,
     resident: Resident,
     /// What shifts take, from the first one on.
     moving: OnceCell<Moving>,
@@ -62,7 +62,7 @@ impl<'a> GpuFilter<'a> {
         Self::of(gpu, Plan::new(target, optics, headroom)?)
     }
 
-    /// Prepares `target` with at most `count` slices along z between any two screens and padding for kernels that reach
+    /// Prepares `target` with at most `count` slices along z between any two occluders and padding for kernels that reach
     /// `reach_px` pixels.
     ///
     /// # Errors
@@ -71,14 +71,14 @@ impl<'a> GpuFilter<'a> {
         Self::of(gpu, Plan::with_slices(target, count, reach_px))
     }
 
-    pub(super) fn of(gpu: &'a Gpu, (plan, sheets): (Plan<'a>, Vec<Sheet>)) -> Result<Self> {
+    pub(super) fn of(gpu: &'a Gpu, (plan, layers): (Plan<'a>, Vec<Layer>)) -> Result<Self> {
         let canvas = Canvas::new(&plan.target, plan.reach_px);
         let fft = FftPlan::new(gpu, canvas.fft.width, canvas.fft.height)?;
-        let resident = Resident::new(gpu, &plan, &canvas, &sheets)?;
-        let segments = (0..plan.slices.len())
-            .map(|passed| Segment::new(gpu, (&plan, &sheets), &canvas, &fft, &resident, passed))
+        let resident = Resident::new(gpu, &plan, &canvas, &layers)?;
+        let slabs = (0..plan.slices.len())
+            .map(|passed| Slab::new(gpu, (&plan, &layers), &canvas, &fft, &resident, passed))
             .collect::<Result<_>>()?;
-        Ok(Self { gpu, plan, canvas, fft, segments, resident, moving: OnceCell::new() })
+        Ok(Self { gpu, plan, canvas, fft, slabs, resident, moving: OnceCell::new() })
     }
 
     /// The device.
@@ -101,7 +101,7 @@ impl<'a> GpuFilter<'a> {
 
     /// Number of complex 2-D FFTs that one render takes, without and with the derivatives, and their size.
     pub fn transforms(&self) -> (usize, usize, [usize; 2]) {
-        let images = (2 * self.segments.len() - 1) * self.plan.obliquities.count();
+        let images = (2 * self.slabs.len() - 1) * self.plan.obliquities.count();
         (images, 2 * images, [self.canvas.fft.width, self.canvas.fft.height])
     }
 
@@ -110,17 +110,17 @@ impl<'a> GpuFilter<'a> {
     pub fn traffic(&self) -> (usize, usize) {
         let complex = size_of::<[f32; 2]>();
         let (canvas, view) = (self.canvas.pixels(), self.plan.target.view.pixels());
-        let source = size_of::<Source>() * self.resident.layout.sheets as usize;
+        let source = size_of::<Source>() * self.resident.layout.layers as usize;
         let of = |images: usize| {
             let pairs = images.div_ceil(2) * canvas * complex;
-            let segment = |segment: &Segment| {
-                let spectra: usize = segment.parts.iter().map(|part| part.spectra.size() as usize).sum();
+            let slab = |slab: &Slab| {
+                let spectra: usize = slab.parts.iter().map(|part| part.spectra.size() as usize).sum();
                 let fft = 2 * self.fft.passes() * pairs;
-                // A screen: light from it is read where it is gathered, passed, and transformed once more.
-                let screen = if segment.screen.is_some() { 3 * pairs + canvas * source + fft } else { 0 };
-                spectra + pairs + fft + screen
+                // An occluder: light from it is read where it is gathered, passed, and transformed once more.
+                let occluder = if slab.occluder.is_some() { 3 * pairs + canvas * source + fft } else { 0 };
+                spectra + pairs + fft + occluder
             };
-            let once: usize = self.segments.iter().map(segment).sum();
+            let once: usize = self.slabs.iter().map(slab).sum();
             let collected = view * (images.div_ceil(2) * complex + source + images * size_of::<f32>());
             self.plan.obliquities.count() * (once + collected)
         };

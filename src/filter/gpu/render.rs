@@ -1,7 +1,7 @@
-//! The steps of one render: light is gathered from far to near, passes the screens, and is collected at the camera.
+//! The steps of one render: light is gathered from far to near, passes the occluders, and is collected at the camera.
 
 use super::layout::{Collect, Gather, Pass};
-use super::segment::Segment;
+use super::slab::Slab;
 use super::tables::{Tables, Units};
 use super::{GpuFilter, Resident, shaders};
 use crate::error::Result;
@@ -41,30 +41,30 @@ impl GpuFilter<'_> {
         Units::new(self.plan.farthest(), optics.medium.phase().planar_width())
     }
 
-    /// Records what leaves the images that are asked for in the [planes](Self::planes). Where light passes screens or
+    /// Records what leaves the images that are asked for in the [planes](Self::planes). Where light passes occluders or
     /// obliquities are many, all but the last step is submitted already.
     pub(super) fn evaluate(&self, request: &Request) -> Result<Recording> {
         let mut last: Option<Recording> = None;
         for (before, (obliquity, _)) in self.plan.obliquities.iter().enumerate() {
             let mut carried = None;
-            for segment in self.segments.iter().rev() {
+            for slab in self.slabs.iter().rev() {
                 if let Some(before) = last.take() {
                     self.gpu.submit(before)?;
                 }
                 let mut recording = self.gpu.record();
                 let way = Way::new(
-                    segment.nodes(),
-                    segment.sloping.then_some(self.plan.target.geometry.pitch_per_depth()),
+                    slab.nodes(),
+                    slab.sloping.then_some(self.plan.target.geometry.pitch_per_depth()),
                     carried,
-                    segment.screen,
+                    slab.occluder,
                     (request.optics, obliquity),
                 )?;
                 let tables = Tables::new(&way, &self.units(request.optics));
-                self.gather(&mut recording, segment, &tables, carried.is_some(), request.derivatives)?;
+                self.gather(&mut recording, slab, &tables, carried.is_some(), request.derivatives)?;
                 let mut pairs = self.resident.pairs.borrow_mut();
                 self.fft.record(&mut recording, &mut pairs, request.pairs(), true);
-                if segment.screen.is_some() {
-                    self.pass(&mut recording, segment, request, &pairs);
+                if slab.occluder.is_some() {
+                    self.pass(&mut recording, slab, request, &pairs);
                     self.fft.record(&mut recording, &mut pairs, request.pairs(), false);
                 } else if request.shift.is_some() {
                     self.arrive(&mut recording, request, &pairs, before)?;
@@ -72,7 +72,7 @@ impl GpuFilter<'_> {
                     self.collect(&mut recording, request, &pairs, before);
                 }
                 last = Some(recording);
-                carried = segment.screen;
+                carried = slab.occluder;
             }
         }
         let mut recording = last.unwrap_or_else(|| self.gpu.record());
@@ -85,7 +85,7 @@ impl GpuFilter<'_> {
     fn gather(
         &self,
         recording: &mut Recording,
-        segment: &Segment,
+        slab: &Slab,
         tables: &Tables,
         carried: bool,
         derivatives: bool,
@@ -94,15 +94,15 @@ impl GpuFilter<'_> {
         let entries = self.gpu.upload("tables", &tables.entries)?;
         let (width, height) = (self.canvas.fft.width, self.canvas.fft.height);
         let pairs = self.resident.pairs.borrow();
-        for part in &segment.parts {
+        for part in &slab.parts {
             let parameters = Gather {
                 size: [width as u32, height as u32],
                 begin: part.begin as u32,
                 columns: part.columns as u32,
-                slices: segment.nodes().len() as u32,
-                sloping: u32::from(segment.sloping),
+                slices: slab.nodes().len() as u32,
+                sloping: u32::from(slab.sloping),
                 carried: u32::from(carried),
-                gated: u32::from(segment.screen.is_some()),
+                occluded: u32::from(slab.occluder.is_some()),
                 derivatives: u32::from(derivatives),
                 scale: tables.scale.0,
                 scale_per_w: tables.scale.1,
@@ -119,13 +119,13 @@ impl GpuFilter<'_> {
         Ok(())
     }
 
-    fn pass(&self, recording: &mut Recording, segment: &Segment, request: &Request, pairs: &[Buffer; 3]) {
-        let Some(screen) = segment.screen else { return };
+    fn pass(&self, recording: &mut Recording, slab: &Slab, request: &Request, pairs: &[Buffer; 3]) {
+        let Some(occluder) = slab.occluder else { return };
         let parameters = Pass {
             canvas: self.resident.layout,
-            segment: segment.passed as u32,
-            bit: 1 << (segment.passed - 1),
-            z: screen.z as f32,
+            slab: slab.passed as u32,
+            bit: 1 << (slab.passed - 1),
+            z: occluder.z as f32,
             sigma_t: request.optics.medium.sigma_t() as f32,
             unit: self.plan.farthest() as f32,
             derivatives: u32::from(request.derivatives),

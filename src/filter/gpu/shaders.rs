@@ -35,10 +35,10 @@ pub const FFT: Shader = shader!("fft", "workgroup", "complex");
 /// Two spectra out of a common transform.
 pub const SPLIT: Shader = shader!("split", "workgroup", "complex", "store");
 /// The source of the slope term.
-pub const BEND: Shader = shader!("bend", "workgroup", "complex", "store");
-/// Scattered light on its way to a screen or to the camera.
+pub const SLOPE_CORRECTION: Shader = shader!("slope_correction", "workgroup", "complex", "store");
+/// Scattered light on its way to an occluder or to the camera.
 pub const GATHER: Shader = shader!("gather", "workgroup", "complex");
-/// Light through a screen.
+/// Light through an occluder.
 pub const PASS: Shader = shader!("pass", "workgroup", "canvas", "direct");
 /// What arrives at the camera.
 pub const COLLECT: Shader = shader!("collect", "workgroup", "canvas", "direct", "arriving");
@@ -56,5 +56,18 @@ pub const SUMS_OF_EIGHT: Shader = sums!("sums of eight", "8u");
 pub const TOTAL: Shader = shader!("total", "two_sum");
 
 /// All of them, in the order of a render.
-pub const ALL: [Shader; 13] =
-    [WEIGH, FFT, SPLIT, BEND, GATHER, PASS, COLLECT, ARRIVE, SHIFT, CROP, SUMS, SUMS_OF_EIGHT, TOTAL];
+pub const ALL: [Shader; 13] = [
+    WEIGH,
+    FFT,
+    SPLIT,
+    SLOPE_CORRECTION,
+    GATHER,
+    PASS,
+    COLLECT,
+    ARRIVE,
+    SHIFT,
+    CROP,
+    SUMS,
+    SUMS_OF_EIGHT,
+    TOTAL,
+];

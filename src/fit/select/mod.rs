@@ -129,7 +129,7 @@ impl Tried {
         let taken = self.taken.or(self.undetermined).unwrap_or(last);
         self.candidates[taken].taken = true;
         let mut fit = self.fits.swap_remove(taken).expect("what is taken was fitted");
-        fit.report.ladder = self.candidates;
+        fit.report.candidates = self.candidates;
         fit
     }
 }

@@ -10,7 +10,7 @@
 use super::map::DepthMap;
 
 /// Largest number of occluders: each costs a transform to image space and back.
-const MOST_SCREENS: usize = 6;
+const MOST_OCCLUDERS: usize = 6;
 /// Share of the gap behind a near pixel in which its occluder may lie, and share of the near pixel's path length.
 const SHARE: f64 = 0.5;
 const NEARBY: f64 = 0.25;
@@ -51,7 +51,7 @@ pub(super) fn depths(maps: &[DepthMap]) -> Vec<f64> {
     let gaps: f64 = depths.iter().map(|d| d.gaps).sum();
     depths.sort_by(|a, b| b.gaps.total_cmp(&a.gaps));
     let mut served = 0.0;
-    depths.truncate(MOST_SCREENS);
+    depths.truncate(MOST_OCCLUDERS);
     depths.retain(|depth| {
         let needed = served < SERVED * gaps;
         served += depth.gaps;
