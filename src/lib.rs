@@ -70,7 +70,7 @@
 //! # Ok::<(), narrowbeam::Error>(())
 //! ```
 //!
-//! Scene files are read by [`scene::Scene::read`] and fitted by [`fit::scenes::fit_scenes`].
+//! Scene files are read by [`scene::ObservedScene::read`] and fitted by [`fit::fit_scenes`].
 //!
 //! # Modules
 //!
@@ -86,6 +86,9 @@
 //! | [`trace`] | photon tracer: independent evidence, uses neither `spread` nor `filter` nor `fit` |
 //! | [`scene`], [`io`] | scene files; EXR and PNG |
 //! | [`error`](mod@error) | every error, naming its cause |
+//!
+//! What a user needs is documented here. Enums that will grow are `non_exhaustive`. Items that only the tests reach, such as the
+//! reference implementations of the filter, are hidden from these pages and may change at any time.
 //!
 //! # Features
 //!

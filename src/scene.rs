@@ -75,6 +75,7 @@ pub struct LitScene {
 
 /// The light that falls into the medium.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum Illumination {
     /// Only its veil over the view is known, one image for each of the object's channels.
     Veil(Vec<Channel>),
@@ -129,6 +130,7 @@ pub struct Observation {
 
 /// The noise of an observation.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum Noise {
     /// One standard deviation for all pixels, above 0.
     Level(f64),
@@ -138,6 +140,7 @@ pub enum Noise {
 
 /// Exposure: observed = gain · (light from the object) + veil.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Gain {
     /// Known, above 0.
     Fixed(f64),
@@ -147,6 +150,7 @@ pub enum Gain {
 
 /// Light added to the image, in units of the observation: observed = gain · object light + veil.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum Veil {
     /// One known number.
     Fixed(f64),

@@ -9,7 +9,7 @@ mod forecast;
 mod kernel;
 mod names;
 mod options;
-pub mod progress;
+mod progress;
 mod render;
 mod reproduce;
 mod stability;

@@ -16,25 +16,33 @@
 //! reaches) or the mirrored image, periodically (`mirror`).
 
 mod backend;
+#[doc(hidden)]
 pub mod basis;
+#[doc(hidden)]
 pub mod blur;
 mod canvas;
+#[doc(hidden)]
 pub mod composite_sum;
 pub mod cpu;
+#[doc(hidden)]
 pub mod direct_sum;
 mod fft2;
+#[doc(hidden)]
 pub mod footprint;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod hidden;
+#[doc(hidden)]
 pub mod mixture;
 mod moved;
 mod obliquity;
+#[doc(hidden)]
 pub mod per_depth;
 mod plan;
 mod registration;
 mod shift;
 mod slab;
+#[doc(hidden)]
 pub mod slices;
 mod slope_correction;
 mod sources;
@@ -94,6 +102,7 @@ impl Optics {
 
 /// How depth maps are filtered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Filter {
     /// `composite` where the depth map has edges or slopes, else `eq29`, which is the same there.
     Auto,

@@ -1,8 +1,8 @@
 //! From parameters to an image, and to what a fit needs of it.
 //!
 //! A [`ForwardModel`] is one scene as one model sees it. There are three: spread kernels through the depth-dependent filter
-//! ([`kernels`]), the Gram matrix of images that do not depend on the medium ([`gram`]), and replayed photon paths
-//! ([`replay`]). Fits, renders and studies see the trait only.
+//! (`kernels`), the Gram matrix of images that do not depend on the medium (`gram`), and replayed photon paths
+//! (`replay`). Fits, renders and studies see the trait only.
 
 #[cfg(feature = "gpu")]
 mod device;

@@ -6,6 +6,7 @@ use std::fmt;
 
 /// The phase function of a medium, of either family.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Phase {
     /// A Gaussian.
     Gaussian(Gaussian),

@@ -15,6 +15,7 @@ use std::str::FromStr;
 
 /// A family of phase functions.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Family {
     /// [`Gaussian`](super::Gaussian), of width B.
     #[default]

@@ -131,6 +131,7 @@ const NO_LIGHT: f64 = 1e-250;
 
 /// A spread model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Model {
     /// Direct light only.
     BeerLambert,

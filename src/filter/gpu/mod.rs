@@ -14,14 +14,18 @@ mod resident;
 mod slab;
 mod tables;
 
+#[doc(hidden)]
 pub mod shaders;
 
+#[doc(hidden)]
 pub use fft::FftPlan;
+#[doc(hidden)]
 pub use layout::{
     Canvas as CanvasLayout, Collect, Crop, Gather, NOTHING, Pass, ShiftBy, Source, Store, Sums, Total, Weigh,
     products,
 };
 pub use products::GpuObservation;
+#[doc(hidden)]
 pub use tables::Record;
 
 use super::canvas::Canvas;

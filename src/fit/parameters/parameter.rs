@@ -8,6 +8,7 @@ pub type Bounds = [f64; 2];
 
 /// Whether a fit moves a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Role {
     /// The fit moves it.
     Free,

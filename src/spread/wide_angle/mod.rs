@@ -29,6 +29,7 @@
 //! made by `narrowbeam table --paths 800000 --seed 1 --out tables/wide-angle.table` and `narrowbeam table --phase hg --paths
 //! 200000 --seed 1 --out tables/wide-angle-hg.table`, as their first lines say too.
 
+#[doc(hidden)]
 pub mod layout;
 pub mod table;
 
