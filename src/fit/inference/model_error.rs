@@ -38,7 +38,7 @@ fn width_error(family: Family) -> f64 {
         Family::HenyeyGreenstein => 0.02,
     }
 }
-/// The bias is of first order: it predicts errors of up to 10 % to a quarter (tests/it/ladder.rs).
+/// The bias is of first order: it predicts errors of up to 10 % to a quarter (tests/it/select.rs).
 const MARGIN: f64 = 1.25;
 /// Squared planar widths (rad², B of a Gaussian) of the lobes for which the error of a model without a width is computed, where
 /// none is given: the worst counts.

@@ -20,5 +20,5 @@ pub(super) use scene_models::SceneModels;
 pub(super) use start::OTHER_WIDTHS;
 pub(super) use task::Task;
 
-pub use scene_models::PathsUsed;
+pub use scene_models::{HEADROOM, PathsUsed};
 pub use solver::Method;
