@@ -41,11 +41,11 @@
 //!
 //! ```
 //! use narrowbeam::filter::{Optics, Target, cpu::CpuFilter};
-//! use narrowbeam::fit::{Datum, Settings, VeilTerm, fit_channel};
+//! use narrowbeam::fit::{Observation, Settings, fit_channel};
 //! use narrowbeam::geometry::Geometry;
 //! use narrowbeam::image::{Border, Image, View};
 //! use narrowbeam::medium::Medium;
-//! use narrowbeam::scene::{FitOptions, Gain};
+//! use narrowbeam::scene::FitOptions;
 //! use narrowbeam::spread::Model;
 //!
 //! let object = Image::from_fn(32, 32, |x, y| if (x / 5 + y / 7) % 2 == 0 { 0.9 } else { 0.2 });
@@ -58,15 +58,12 @@
 //! let observed = CpuFilter::new(target, &optics, 1.0)?.render(&optics)?;
 //!
 //! // Estimate the medium from the two images.
-//! let (gain, veil) = (Gain::Fixed(1.0), VeilTerm::Fixed(0.0));
-//! let observation = Datum {
-//!     target, observed: &observed, mask: None, hidden_share_max: 0.01, noise: None,
-//!     gain, gain_error: 0.0, depth_error: 0.0, veil,
-//! };
-//! let fit = fit_channel(&[observation], &FitOptions::default(), &Settings::default())?;
-//! let [sigma_s, sigma_a, b] = fit.parameters.values();
+//! let seen = [Observation::plain(target, &observed)];
+//! let fit = fit_channel(&seen, &FitOptions::default(), &Settings::default(), &|| ())?;
 //! assert!(fit.converged);
-//! assert!((sigma_s - 0.9).abs() < 1e-3 && (sigma_a - 0.05).abs() < 1e-3 && (b - 0.004).abs() < 1e-5);
+//! assert!((fit.parameters["sigma_s"].value() - 0.9).abs() < 1e-3);
+//! assert!((fit.parameters["sigma_a"].value() - 0.05).abs() < 1e-3);
+//! assert!((fit.parameters["b"].value() - 0.004).abs() < 1e-5);
 //! # Ok::<(), narrowbeam::Error>(())
 //! ```
 //!

@@ -63,11 +63,6 @@ impl Progress {
         }
         self.bar.inc(units);
     }
-
-    /// Units finished so far.
-    pub fn done(&self) -> u64 {
-        self.bar.position()
-    }
 }
 
 impl Drop for Progress {
@@ -88,6 +83,6 @@ mod tests {
                 scope.spawn(|| (0..100).for_each(|_| progress.add(1)));
             }
         });
-        assert_eq!(progress.done(), 400);
+        assert_eq!(progress.bar.position(), 400);
     }
 }

@@ -6,7 +6,6 @@ use std::fmt;
 
 /// The phase function of a medium, of either family.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
 pub enum Phase {
     /// A Gaussian.
     Gaussian(Gaussian),

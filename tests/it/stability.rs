@@ -1,6 +1,8 @@
 //! The rule of no silent failure: what counts as one, and that a coarse map of where methods fail has none.
 
 use crate::common::program::narrowbeam;
+use narrowbeam::fit::WarningCode;
+use narrowbeam::forward::Quantity;
 use narrowbeam::lab::study::stability::{Found, Method, Outcome, OutcomeKind};
 use narrowbeam::lab::study::trial::{Place, Tally, Trial};
 use narrowbeam::lab::study::{Setting, Texture};
@@ -8,10 +10,11 @@ use narrowbeam::medium::Medium;
 use narrowbeam::phase::b_of_spread_angle;
 use narrowbeam::spread::Model;
 
-/// What was found of a parameter that is `error` off.
+/// What was found of parameters that are `error` off.
 fn found(error: f64, std_error: f64, model_error: f64) -> Outcome {
-    let found = Found { error, std_error, model_error, held: false };
-    Outcome { model: "small-angle".into(), found: [Some(found); 3], ..Outcome::default() }
+    let found = |quantity| Found { quantity, error, std_error, model_error, held: false };
+    let found = Quantity::MEDIUM.map(found).to_vec();
+    Outcome { model: "small-angle".into(), found, ..Outcome::default() }
 }
 
 #[test]
@@ -25,15 +28,16 @@ fn an_error_that_nothing_stated_allows_is_a_silent_failure() {
 
 #[test]
 fn what_is_said_is_not_silent() {
-    let warned = Outcome { warnings: vec!["misfit"], ..found(1.0, 0.01, 0.0) };
+    let warned = Outcome { warnings: vec![WarningCode::Misfit], ..found(1.0, 0.01, 0.0) };
     assert_eq!(warned.kind(), OutcomeKind::Warned);
-    let undetermined = Outcome { found: [None; 3], undetermined: true, ..Outcome::default() };
+    let undetermined = Outcome { undetermined: true, ..Outcome::default() };
     assert_eq!(undetermined.kind(), OutcomeKind::Undetermined);
     let refused = Outcome { refused: Some("out of range".into()), ..Outcome::default() };
     assert_eq!(refused.kind(), OutcomeKind::Refused);
     // That one parameter is undetermined does not excuse another.
     let mut half = found(1.0, 0.01, 0.0);
-    (half.found[2], half.undetermined) = (None, true);
+    half.found.retain(|found| found.quantity != Quantity::Phase);
+    half.undetermined = true;
     assert_eq!(half.kind(), OutcomeKind::Silent);
 }
 
@@ -51,10 +55,10 @@ fn a_tally_counts_silent_failures_and_needless_warnings() {
     let trials = [
         trial("grid", found(0.01, 0.01, 0.0)),
         trial("grid", found(1.0, 0.01, 0.0)),
-        trial("grid", warned("structure")),
+        trial("grid", warned(WarningCode::Structure)),
         // Outside of its validity, and where the world is not what the scene says, a warning is in its place.
-        trial("grid", warned("outside_validity")),
-        trial("saturated share", warned("structure")),
+        trial("grid", warned(WarningCode::OutsideValidity)),
+        trial("saturated share", warned(WarningCode::Structure)),
     ];
     assert_eq!(Tally::of(&trials), Tally { fits: 5, silent: 1, right: 2, false_alarms: 1 });
 }

@@ -26,6 +26,16 @@ pub enum Derived {
     Words(String),
 }
 
+impl Derived {
+    /// Its value; `None` if it is in words.
+    pub fn value(&self) -> Option<f64> {
+        match self {
+            Self::Estimate { value, .. } | Self::Number(value) => Some(*value),
+            Self::Words(_) => None,
+        }
+    }
+}
+
 /// What follows from the parameters of one channel.
 pub(super) fn derived(fit: &ChannelFit, model: Model) -> Vec<(&'static str, Derived)> {
     let medium = fit.parameters.medium().expect("parameters stay in their range");

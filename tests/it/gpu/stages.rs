@@ -1,7 +1,7 @@
 //! Each stage against its twin, on numbers drawn at random.
 
 use super::gpu;
-use super::twins::{C, bend, collect, gather, pass, split, sums, total, weigh};
+use super::twins::{C, collect, gather, pass, slope_correction, split, sums, total, weigh};
 use bytemuck::{Pod, Zeroable};
 use narrowbeam::filter::gpu::shaders::{self, ALL};
 use narrowbeam::filter::gpu::{
@@ -58,7 +58,7 @@ impl Draw {
             z: 2.0 + self.number(),
             cosine: 0.9 + 0.1 * self.number(),
             slope: [self.number(), self.number()],
-            segment: [0, 1, NOTHING][self.below(3) as usize],
+            slab: [0, 1, NOTHING][self.below(3) as usize],
         };
         (0..count).map(|_| source()).collect()
     }
@@ -105,7 +105,7 @@ pub fn run<P: Pod>(
 }
 
 pub fn canvas(border: u32) -> CanvasLayout {
-    CanvasLayout { size: [18, 14], object: [9, 7], margin: [4, 3], border, sheets: 2 }
+    CanvasLayout { size: [18, 14], object: [9, 7], margin: [4, 3], border, layers: 2 }
 }
 
 pub const PIXELS: usize = 18 * 14;
@@ -155,7 +155,7 @@ fn weigh_equals_its_twin() {
             let second = if sloping == 1 { NOTHING } else { slices - 1 };
             let parameters = Weigh {
                 canvas: canvas(border),
-                segment: 1,
+                slab: 1,
                 exact,
                 counts,
                 slices: [1, second],
@@ -211,7 +211,7 @@ fn transposed_fft(image: &[C], width: usize, height: usize) -> Vec<f32> {
 }
 
 #[test]
-fn split_and_bend_equal_their_twins() {
+fn split_and_slope_correction_equal_their_twins() {
     let mut draw = Draw::new(3);
     let [width, height] = [18, 14];
     for (begin, columns) in [(0, 10), (4, 6)] {
@@ -220,7 +220,10 @@ fn split_and_bend_equal_their_twins() {
             let pair = draw.complex(PIXELS);
             let count = (columns * 3 * height) as usize;
             type Twin = fn(&Store, &[C], &mut [C]);
-            let twins: [(&Shader, Twin); 2] = [(&shaders::SPLIT, split::split), (&shaders::BEND, bend::bend)];
+            let twins: [(&Shader, Twin); 2] = [
+                (&shaders::SPLIT, split::split),
+                (&shaders::SLOPE_CORRECTION, slope_correction::slope_correction),
+            ];
             for (shader, twin) in twins {
                 let mut expected = vec![C::default(); count];
                 twin(&parameters, &pair, &mut expected);
@@ -242,17 +245,17 @@ fn gather_equals_its_twin() {
     let count = (width * height) as usize;
     // More slices than are held at a time, columns in two parts, and all that may be there or not.
     for flags in 0..16u32 {
-        let [sloping, carried, gated, derivatives] = [0, 1, 2, 3].map(|bit| flags >> bit & 1);
+        let [sloping, carried, occluded, derivatives] = [0, 1, 2, 3].map(|bit| flags >> bit & 1);
         let (slices, begin, columns) = (18, 3, 7);
-        let records = slices + carried + gated;
+        let records = slices + carried + occluded;
         let per_w = 40.0;
         let entries = (4.5 * per_w) as u32 + 4;
         let tables = draw.lanes((2 * records * entries + records * 64 + entries) as usize);
         let record = |i: u32| Record {
             baseband: 2 * i * entries,
             per_w,
-            bend: (2 * i + 1) * entries,
-            bend_per_w: per_w,
+            slope_correction: (2 * i + 1) * entries,
+            slope_correction_per_w: per_w,
             aliases: 2 * records * entries + i * 64,
             direct: [0.5, 0.1, -0.2, 0.0],
             unscattered: [0.3, -0.1, 0.2, 0.1],
@@ -271,7 +274,7 @@ fn gather_equals_its_twin() {
             slices,
             sloping,
             carried,
-            gated,
+            occluded,
             derivatives,
             scale: tables.len() as u32 - entries,
             scale_per_w: per_w,
@@ -296,7 +299,7 @@ fn gather_equals_its_twin() {
             spectra: &spectra,
         }
         .run(&mut pairs);
-        let case = format!("slope {sloping}, carried {carried}, gated {gated}, gradient {derivatives}");
+        let case = format!("slope {sloping}, carried {carried}, occluded {occluded}, gradient {derivatives}");
         check("gather", &case, &device[0], &floats(&pairs[0]));
         check("gather", &case, &device[1], &floats(&pairs[1]));
     }
@@ -312,7 +315,7 @@ fn pass_and_collect_equal_their_twins() {
         let on_device = gpu().upload("sources", &sources).unwrap();
         let parameters = Pass {
             canvas: canvas(border),
-            segment: 1,
+            slab: 1,
             bit: 2,
             z: 0.7,
             sigma_t: 0.8,

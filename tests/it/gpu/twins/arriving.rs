@@ -18,12 +18,12 @@ pub fn arriving(
     let pixels = (collect.view_size[0] * collect.view_size[1]) as usize;
     let weight = weights[(collect.before as usize * pixels + seen).min(weights.len() - 1)];
     sum.iter_mut().for_each(|v| *v *= weight);
-    for sheet in 0..canvas.sheets {
+    for layer in 0..canvas.layers {
         if collect.direct == 0 || pixel < 0 {
             break;
         }
-        let source = &sources[(sheet * canvas.object[0] * canvas.object[1]) as usize + pixel as usize];
-        if source.segment == 0 {
+        let source = &sources[(layer * canvas.object[0] * canvas.object[1]) as usize + pixel as usize];
+        if source.slab == 0 {
             let light = direct(source.light, collect.sigma_t, source.z / source.cosine, collect.unit);
             sum.iter_mut().zip(light).for_each(|(s, l)| *s += l);
         }

@@ -5,13 +5,13 @@
 
 pub mod arrive;
 pub mod arriving;
-pub mod bend;
 pub mod canvas;
 pub mod collect;
 pub mod crop;
 pub mod gather;
 pub mod pass;
 pub mod shift;
+pub mod slope_correction;
 pub mod split;
 pub mod store;
 pub mod sums;
