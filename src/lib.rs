@@ -41,11 +41,12 @@
 //!
 //! ```
 //! use narrowbeam::filter::{Optics, Target, cpu::CpuFilter};
-//! use narrowbeam::fit::{Datum, Settings, VeilTerm, fit_channel};
+//! use narrowbeam::fit::{Observation, Settings, fit_channel};
+//! use narrowbeam::forward::Quantity;
 //! use narrowbeam::geometry::Geometry;
 //! use narrowbeam::image::{Border, Image, View};
 //! use narrowbeam::medium::Medium;
-//! use narrowbeam::scene::{FitOptions, Gain};
+//! use narrowbeam::scene::FitOptions;
 //! use narrowbeam::spread::Model;
 //!
 //! let object = Image::from_fn(32, 32, |x, y| if (x / 5 + y / 7) % 2 == 0 { 0.9 } else { 0.2 });
@@ -58,19 +59,15 @@
 //! let observed = CpuFilter::new(target, &optics, 1.0)?.render(&optics)?;
 //!
 //! // Estimate the medium from the two images.
-//! let (gain, veil) = (Gain::Fixed(1.0), VeilTerm::Fixed(0.0));
-//! let observation = Datum {
-//!     target, observed: &observed, mask: None, hidden_share_max: 0.01, noise: None,
-//!     gain, gain_error: 0.0, depth_error: 0.0, veil,
-//! };
-//! let fit = fit_channel(&[observation], &FitOptions::default(), &Settings::default())?;
-//! let [sigma_s, sigma_a, b] = fit.parameters.values();
+//! let observation = Observation::plain(target, &observed);
+//! let fit = fit_channel(&[observation], &FitOptions::default(), &Settings::default(), &|| ())?;
+//! let [sigma_s, sigma_a, b] = Quantity::MEDIUM.map(|quantity| fit.parameters.value(quantity));
 //! assert!(fit.converged);
 //! assert!((sigma_s - 0.9).abs() < 1e-3 && (sigma_a - 0.05).abs() < 1e-3 && (b - 0.004).abs() < 1e-5);
 //! # Ok::<(), narrowbeam::Error>(())
 //! ```
 //!
-//! Scene files are read by [`scene::Scene::read`] and fitted by [`fit::scenes::fit_scenes`].
+//! Scene files are read by [`scene::ObservedScene::read`] and fitted by [`fit::fit_scenes`].
 //!
 //! # Modules
 //!
@@ -81,6 +78,8 @@
 //! | [`spread`] | the kernels: `beer-lambert` to `wide-angle` |
 //! | [`filter`] | from the clear object to the image through the medium, for any depth map |
 //! | [`illumination`], [`synthesis`] | light that falls into the medium and its veil; images with all their light |
+//! | [`relief`] | slopes and occluders of a depth map |
+//! | [`forward`] | from parameters to images and their inner products, with derivatives |
 //! | [`fit`] | estimates, their errors, the report |
 //! | [`gpu`] | compute on graphics adapters; contains no optics |
 //! | [`trace`] | photon tracer: independent evidence, uses neither `spread` nor `filter` nor `fit` |

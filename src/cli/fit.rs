@@ -122,7 +122,7 @@ fn estimate(arguments: &Arguments, scenes: &[ObservedScene], chosen: &Chosen) ->
     }
 }
 
-/// The intervals that `--profile` and `--bootstrap` ask for.
+/// The intervals for `--profile` and `--bootstrap`.
 fn add_intervals(
     arguments: &Arguments,
     scenes: &[ObservedScene],

@@ -82,7 +82,7 @@ impl TracingOptions {
         let refuse = |why: &str| Err(Usage(why.into()));
         if traced && rendering.filter == Filter::Eq29 {
             return refuse(
-                "--model traced sees the edges and slopes of the object; --filter eq29 knows none",
+                "--model traced includes the edges and slopes of the object; --filter eq29 ignores them",
             );
         }
         if !traced && self.paths.is_some() {

@@ -11,7 +11,7 @@
 //! | `beer-lambert` | 0 | Beer-Lambert law | scattered light under the noise |
 //! | `single-scatter` | T tau F(kz) | Shinya et al., eq. 25 with its prefactor corrected | tau ≪ 1 |
 //! | `gaussian` | phi exp(-k² R / (4 phi)), R exact | moment matching | tau ≫ 1, small angles |
-//! | `narrow-beam-printed` | phi F(k beta/2), R of eq. 21 | Shinya et al., eq. 20, 21, 26, 28, G = erfc/2 | as published; B comes out low |
+//! | `narrow-beam-printed` | phi F(k beta/2), R of eq. 21 | Shinya et al., eq. 20, 21, 26, 28, G = erfc/2 | as published; estimates of B are too low |
 //! | `narrow-beam` | phi F(k beta/2), R exact | the same kernel, exact moments | tau ≲ 2, small angles |
 //! | `small-angle` | T (exp(tau F(kz)) - 1) | Wells 1969; Ishimaru 1978, ch. 13 | tau·4B ≤ 0.05 to 1 % of M |
 //! | `wide-angle` | a mixture of Gaussians from a table | [`wide_angle`] | tau ≤ 12, sigma_a z ≤ 10, spread angle ≤ 60° or g ≥ 0.5 |

@@ -142,7 +142,7 @@ fn check_likelihood<P: Likelihood>(from: P, to: P, bound: f64) {
     angles.iter().for_each(|&angle| record(angle, &mut memory));
     let [old, new] = [(2.0, 0.1, from), (2.5, 0.3, to)]
         .map(|(sigma_s, sigma_a, phase)| Medium::new(sigma_s, sigma_a, phase).unwrap());
-    let found = Replay::new(&old, &new).of(5, 1.5, memory.as_ref()).ratio.ln();
+    let found = Replay::new(&old, &new).weight(5, 1.5, memory.as_ref()).ratio.ln();
     let turn = |&angle: &f32| (to.eval(f64::from(angle).cos()) / from.eval(f64::from(angle).cos())).ln();
     let turns = angles.iter().map(turn).sum::<f64>();
     let exact = 5.0 * 1.25_f64.ln() - 1.5 * 0.7 + turns;
