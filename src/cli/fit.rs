@@ -41,7 +41,7 @@ pub(super) struct Arguments {
     /// Also find 95 % intervals by profile likelihood, for each free parameter
     #[arg(long)]
     profile: bool,
-    /// Also find 95 % intervals by so many refits of the best fit with fresh noise
+    /// Also find 95 % intervals by N refits of the best fit with new noise
     #[arg(long, value_name = "N", default_value_t = 0)]
     bootstrap: usize,
     /// Directory for fit.json, render.exr, residual.exr, hidden_share.exr (if something is hidden) and pictures

@@ -146,7 +146,7 @@ pub(super) fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
-/// The media of the channels, for the files that a command writes; one value a channel.
+/// The media of the channels, for the files that a command writes; one value per channel.
 pub(super) fn record_of(media: &[Medium]) -> Vec<(String, String)> {
     let each =
         |value: fn(&Medium) -> f64| media.iter().map(|m| value(m).to_string()).collect::<Vec<_>>().join(" ");

@@ -16,7 +16,7 @@
 //! | `small-angle` | T (exp(tau F(kz)) - 1) | Wells 1969; Ishimaru 1978, ch. 13 | tau·4B ≤ 0.05 to 1 % of M |
 //! | `wide-angle` | a mixture of Gaussians from a table | [`wide_angle`] | tau ≤ 12, sigma_a z ≤ 10, spread angle ≤ 60° or g ≥ 0.5 |
 //!
-//! The model `traced` has no kernel: `fit` and `render` trace the scene at hand.
+//! The model `traced` has no kernel: `fit` and `render` trace the given scene.
 //!
 //! F is the mean planar transform of the phase function ([`crate::phase`]); in the moment-matched kernels it is
 //! that of a Gaussian phase function, even if the medium's is another, and beta² = 3 R / phi.
@@ -146,7 +146,7 @@ pub enum Model {
     SmallAngle,
     /// Valid at every angle, from a table made by tracing.
     WideAngle,
-    /// Paths traced for the scene at hand: no kernel, and none of [`ALL`](Model::ALL).
+    /// Paths traced for the given scene: no kernel, and none of [`ALL`](Model::ALL).
     Traced,
 }
 

@@ -33,7 +33,7 @@ pub struct ImageConfig<'a, P = Phase> {
     pub view: View,
     /// The medium between surface and object.
     pub medium: Medium<P>,
-    /// Paths a pixel, at least 2.
+    /// Paths per pixel, at least 2.
     pub samples: u32,
     /// Seed of the random numbers. Channels and scenes that are to be independent need different ones.
     pub seed: u64,
