@@ -126,16 +126,6 @@ impl Prepared<'_> {
         }
     }
 
-    /// Stub.
-    pub fn render_shifted(&self, optics: &Optics, _s: [f64; 2]) -> Result<Image> {
-        self.render(optics)
-    }
-
-    /// Stub.
-    pub fn render_shifted_with_gradient(&self, optics: &Optics, _s: [f64; 2]) -> Result<Rendering> {
-        self.render_with_gradient(optics)
-    }
-
     /// The image and its derivatives, over the target's view.
     ///
     /// # Errors
@@ -145,6 +135,30 @@ impl Prepared<'_> {
             Prepared::Cpu(filter) => filter.render_with_gradient(optics),
             #[cfg(feature = "gpu")]
             Prepared::Gpu(filter) => filter.render_with_gradient(optics),
+        }
+    }
+
+    /// The image moved by `shift_px` to the right and down, over the target's view: what [`render`](Self::render) has at
+    /// x is at x + `shift_px`.
+    ///
+    /// # Errors
+    /// As [`render`](Self::render), and [`Error::OutOfRange`](crate::Error::OutOfRange) for a shift that is not finite or
+    /// is larger than the padded image.
+    pub fn render_shifted(&self, optics: &Optics, shift_px: [f64; 2]) -> Result<Image> {
+        match self {
+            Prepared::Cpu(filter) => filter.render_shifted(optics, shift_px),
+            Prepared::Gpu(filter) => filter.render_shifted(optics, shift_px),
+        }
+    }
+
+    /// The moved image and its derivatives, also those in the shift, over the target's view.
+    ///
+    /// # Errors
+    /// As [`render_shifted`](Self::render_shifted).
+    pub fn render_shifted_with_gradient(&self, optics: &Optics, shift_px: [f64; 2]) -> Result<Rendering> {
+        match self {
+            Prepared::Cpu(filter) => filter.render_shifted_with_gradient(optics, shift_px),
+            Prepared::Gpu(filter) => filter.render_shifted_with_gradient(optics, shift_px),
         }
     }
 }

@@ -11,6 +11,7 @@ use super::canvas::Canvas;
 use super::obliquity::Obliquity;
 use super::plan::{Coverage, Plan};
 use super::segment::Segment;
+use super::shift::Shift;
 use super::slices::Slices;
 use super::sources::Sheet;
 use super::{Optics, Target};
@@ -25,7 +26,7 @@ pub struct Rendering {
     pub image: Image,
     /// Derivatives of `image` in sigma_s (length), sigma_a (length) and B (1/rad²).
     pub gradient: Option<[Image; 3]>,
-    /// Motion.
+    /// Derivatives of `image` in the shift along x and y (1/px), if a shift was asked for.
     pub motion: Option<[Image; 2]>,
 }
 
@@ -87,7 +88,7 @@ impl<'a> CpuFilter<'a> {
     /// # Errors
     /// As [`Optics::kernel`].
     pub fn render(&self, optics: &Optics) -> Result<Image> {
-        Ok(self.evaluate(optics, 1)?.swap_remove(0))
+        Ok(self.seen(&self.planes(optics, 1)?[0]))
     }
 
     /// The image and its derivatives, over the target's view.
@@ -95,13 +96,38 @@ impl<'a> CpuFilter<'a> {
     /// # Errors
     /// As [`Optics::kernel`].
     pub fn render_with_gradient(&self, optics: &Optics) -> Result<Rendering> {
-        let mut planes = self.evaluate(optics, 4)?.into_iter();
-        let mut next = || planes.next().expect("four planes were asked for");
-        Ok(Rendering { image: next(), gradient: Some([next(), next(), next()]), motion: None })
+        let planes = self.planes(optics, 4)?;
+        let [image, gradient @ ..] = [0, 1, 2, 3].map(|i| self.seen(&planes[i]));
+        Ok(Rendering { image, gradient: Some(gradient), motion: None })
     }
 
-    /// The first `count` of image, d/d sigma_s, d/d sigma_a, d/d B.
-    fn evaluate(&self, optics: &Optics, count: usize) -> Result<Vec<Image>> {
+    /// The image moved by `shift_px` to the right and down, over the target's view: what [`render`](Self::render) has at
+    /// x is at x + `shift_px`.
+    ///
+    /// # Errors
+    /// As [`Optics::kernel`], and [`Error::OutOfRange`](crate::Error::OutOfRange) for a shift that is not finite or is
+    /// larger than the padded image.
+    pub fn render_shifted(&self, optics: &Optics, shift_px: [f64; 2]) -> Result<Image> {
+        let shift = Shift::new(&self.canvas.fft, shift_px)?;
+        let image = self.planes(optics, 1)?.swap_remove(0);
+        Ok(self.seen(&shift.moved(&self.canvas.fft, image)))
+    }
+
+    /// The moved image and its derivatives, also those in the shift, over the target's view.
+    ///
+    /// # Errors
+    /// As [`render_shifted`](Self::render_shifted).
+    pub fn render_shifted_with_gradient(&self, optics: &Optics, shift_px: [f64; 2]) -> Result<Rendering> {
+        let shift = Shift::new(&self.canvas.fft, shift_px)?;
+        let mut planes = self.planes(optics, 4)?.into_iter();
+        let mut next = || planes.next().expect("four planes were asked for");
+        let [image, x, y] = shift.moved_with_motion(&self.canvas.fft, next()).map(|plane| self.seen(&plane));
+        let gradient = [next(), next(), next()].map(|plane| self.seen(&shift.moved(&self.canvas.fft, plane)));
+        Ok(Rendering { image, gradient: Some(gradient), motion: Some([x, y]) })
+    }
+
+    /// The first `count` of image, d/d sigma_s, d/d sigma_a, d/d B, on the canvas.
+    fn planes(&self, optics: &Optics, count: usize) -> Result<Vec<Vec<f32>>> {
         if optics.model == Model::BeerLambert {
             let mut planes = vec![vec![0.0; self.canvas.pixels()]; count];
             for segment in self.segments.iter().rev() {
@@ -110,7 +136,7 @@ impl<'a> CpuFilter<'a> {
                     planes.iter_mut().for_each(|plane| gate.stop(plane));
                 }
             }
-            return Ok(self.view(&planes));
+            return Ok(planes);
         }
         let mut sum: Option<Vec<Vec<f32>>> = None;
         for (obliquity, weights) in self.plan.obliquities.iter() {
@@ -128,10 +154,10 @@ impl<'a> CpuFilter<'a> {
         }
         let mut planes = sum.expect("there is an obliquity");
         self.segments[0].add_direct(&self.canvas, &optics.medium, 0.0, &mut planes);
-        Ok(self.view(&planes))
+        Ok(planes)
     }
 
-    /// The same on the canvas without the direct light of the first segment, for rays of one obliquity.
+    /// The same without the direct light of the first segment, for rays of one obliquity.
     fn scattered(&self, optics: &Optics, obliquity: Obliquity, count: usize) -> Result<Vec<Vec<f32>>> {
         // Light of small angles travels z, whatever is absorbed: d/d sigma_a is -z times the image.
         let single_depth = self.plan.single_depth().filter(|_| optics.model.rests_on_small_angles());
@@ -152,7 +178,8 @@ impl<'a> CpuFilter<'a> {
         unreachable!("the first segment has no screen")
     }
 
-    fn view(&self, planes: &[Vec<f32>]) -> Vec<Image> {
-        planes.iter().map(|plane| self.canvas.crop(plane, self.plan.target.view)).collect()
+    /// The part of the canvas under the target's view.
+    fn seen(&self, plane: &[f32]) -> Image {
+        self.canvas.crop(plane, self.plan.target.view)
     }
 }

@@ -16,7 +16,6 @@
 //! reaches) or the mirrored image, periodically (`mirror`).
 
 mod backend;
-mod stub;
 pub mod basis;
 mod bend;
 pub mod blur;
@@ -30,10 +29,13 @@ pub mod footprint;
 pub mod gpu;
 mod hidden;
 pub mod ladder;
+mod moved;
 mod obliquity;
 pub mod per_depth;
 mod plan;
+mod registration;
 mod segment;
+mod shift;
 pub mod slices;
 mod sources;
 mod tables;
@@ -42,9 +44,10 @@ mod unit_cells;
 
 pub use backend::{Backend, Prepared};
 pub use cpu::Rendering;
-pub use stub::{coarse_shift, shifted};
 pub use hidden::hidden_share;
+pub use moved::moved;
 pub use plan::{CUT, Coverage};
+pub use registration::coarse_shift;
 
 use crate::error::Result;
 use crate::geometry::Geometry;

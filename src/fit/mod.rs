@@ -26,13 +26,13 @@ pub use design::{Advice, Plan, add_advice, advise, forecast};
 pub use inference::{ChannelFit, Combination, Covariance, ExposureEstimate, InputError, ModelError, Status};
 pub use interval::{Draws, Intervals, bootstrap, profile};
 pub use observation::{NoiseTerm, Observation, VeilTerm, white_noise as noise};
-pub use optimise::{Method, PathsUsed};
+pub use optimise::PathsUsed;
 pub use parameters::{Bounds, Coordinate, Descriptor, Id, Parameter, Parameters, Role};
 pub use report::{
-    AdviceReport, BackendReport, Derived, Determined, Estimate, ExposureReport, Fit, Regime,
+    AdviceReport, BackendReport, Candidate, Derived, Determined, Estimate, ExposureReport, Fit, Regime,
     RegistrationErrors, RegistrationReport, Severity, Summary, Term, TracedSummary, Warning, WarningCode,
     Ways,
 };
 pub use scenes::{SceneFit, check_scenes, fit_scenes};
-pub use select::{Candidate, SEQUENCE, select};
-pub use settings::Settings;
+pub use select::{SEQUENCE, select};
+pub use settings::{Method, Settings};

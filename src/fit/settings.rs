@@ -1,6 +1,5 @@
-//! What to fit with.
+//! What to fit with. Every room of `fit` may read it; it knows none.
 
-use super::optimise::Method;
 use crate::filter::Backend;
 use crate::forward::{Engine, Tracing};
 use crate::spread::Model;
@@ -44,6 +43,28 @@ impl Default for Settings<'_> {
             max_iterations: 200,
             gram: true,
             tracing: Tracing::default(),
+        }
+    }
+}
+
+/// Choice of optimiser.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// Damped Gauss-Newton with analytic derivatives (Levenberg 1944, Marquardt 1963).
+    LevenbergMarquardt,
+    /// Simplex without derivatives (Nelder and Mead 1965).
+    NelderMead,
+}
+
+impl Method {
+    /// All optimisers.
+    pub const ALL: [Method; 2] = [Method::LevenbergMarquardt, Method::NelderMead];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::LevenbergMarquardt => "levenberg-marquardt",
+            Method::NelderMead => "nelder-mead",
         }
     }
 }

@@ -172,7 +172,7 @@ impl<'a> Engine<'a> {
     }
 
     /// The share of hidden light of every pixel of `target`'s view; `None` where nothing is hidden. Where the model has no
-    /// kernels, those of `small-angle` tell.
+    /// kernels, those of `small-angle` stand in.
     ///
     /// # Errors
     /// As [`ForwardModel::image`].
@@ -216,9 +216,14 @@ impl<'a> Engine<'a> {
         Ok(Parts { direct: model.direct(state)?, whole: model.image(state)? })
     }
 
-    /// The model whose fit says where that of this one begins, if it needs to be told.
+    /// The model whose fit says where that of this one begins, if it needs one.
     pub fn pilot(&self) -> Option<Self> {
         (self.model == Model::Traced).then_some(Self { model: Model::SmallAngle, ..*self })
+    }
+
+    /// Whether the model renders shifted observations.
+    pub fn renders_shifts(&self) -> bool {
+        self.model != Model::Traced
     }
 
     /// The same with so few paths as are enough to seek the medium; `None` if there are none to be saved.

@@ -9,7 +9,8 @@
 //! separate paths the errors of pixels are independent. Sharing saves the sampling of the paths but not the search for the
 //! surface, and is less accurate even at equal time (docs/wide-angle.md, tests/it/traced_shapes.rs).
 
-use super::image::{ImageConfig, checked};
+use super::config::ImageConfig;
+use super::image::checked;
 use super::likelihood::{EffectiveSampleSize, Information, Likelihood, Replay};
 use super::rng::Stream;
 use super::scene::Tracer;

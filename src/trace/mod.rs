@@ -14,6 +14,7 @@
 //!
 //! Not modelled: refraction at the surface, light scattered in from the illumination, light between objects.
 
+mod config;
 mod hits;
 mod image;
 mod likelihood;
@@ -29,8 +30,9 @@ mod scene;
 mod surface;
 mod tally;
 
+pub use config::ImageConfig;
 pub use hits::{BATCHES, Hits};
-pub use image::{ImageConfig, TracedImage, trace_image};
+pub use image::{TracedImage, trace_image};
 pub use likelihood::{Change, EffectiveSampleSize, Information, Likelihood, Replay, Weight};
 pub use path::{Path, free_path};
 pub use path_records::{PathRecord, PathRecords, Scattered, trace_paths};

@@ -4,7 +4,7 @@
 //! random until it meets the object or is lost. Rays that see no object scatter too.
 
 use super::OPAQUE;
-use super::image::ImageConfig;
+use super::config::ImageConfig;
 use super::meeting::Meeting;
 use super::path::{Path, free_path};
 use super::rng::Stream;

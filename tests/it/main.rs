@@ -1,5 +1,6 @@
 //! All integration tests, a module a subject: `cargo test --release --test it filter_rungs:: -- --nocapture` runs one.
 
+mod architecture;
 mod bright_squares;
 mod cli;
 mod cli_kernel_trace;
@@ -23,7 +24,10 @@ mod phase;
 mod plots;
 mod recovery_datasets;
 mod recovery_own_model;
+mod registration;
 mod scene;
+mod shifted_observations;
+mod shifts;
 mod spread_kernels;
 mod stability;
 mod sums;

@@ -167,7 +167,7 @@ pub struct Pass {
     pub padding: [u32; 2],
 }
 
-/// Counterpart of `Collect` in shaders/collect.wgsl.
+/// Counterpart of `Collect` in shaders/shared/collect.wgsl.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 pub struct Collect {
@@ -223,5 +223,35 @@ pub struct Total {
     pub padding: u32,
 }
 
-/// Products of six images, each pair once.
-pub const PRODUCTS: usize = 21;
+/// Counterpart of `Shift` in shaders/shift.wgsl.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub struct ShiftBy {
+    /// Size of the padded image, px.
+    pub size: [u32; 2],
+    /// 1 if there are derivatives.
+    pub derivatives: u32,
+    /// Fills the structure up.
+    pub padding: u32,
+}
+
+/// Counterpart of `Crop` in shaders/crop.wgsl.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub struct Crop {
+    /// Columns of the padded image, px.
+    pub width: u32,
+    /// First column and row of the view on it, px.
+    pub corner: [u32; 2],
+    /// Size of the view, px.
+    pub view_size: [u32; 2],
+    /// 1 if there are derivatives.
+    pub derivatives: u32,
+    /// Fills the structure up.
+    pub padding: [u32; 2],
+}
+
+/// Products of `images`, each pair once.
+pub const fn products(images: usize) -> usize {
+    images * (images + 1) / 2
+}

@@ -7,6 +7,7 @@ use crate::fit::Settings;
 use crate::fit::inference::ChannelFit;
 use crate::fit::observation::{NoiseTerm, Observation, VeilTerm};
 use crate::fit::parameters::{Id, Parameter, Parameters};
+use crate::fit::report::{AdviceReport, suffix};
 use crate::fit::select::{Planned, PlannedExposure, Prospect, seen};
 use crate::geometry::{FARTHEST, Field, Geometry};
 use crate::image::Image;
@@ -63,10 +64,10 @@ pub fn advise(
     let engine = Settings { model: fit.model, ..*settings }.engine();
     let stands_in = engine.without_noise();
     let exposures = PlannedExposure::of(fit);
-    let measured = observations.iter().zip(&exposures).map(|(o, e)| Observation {
-        noise: o.noise.or(Some(NoiseTerm::Level(e.noise))),
-        ..*o
-    });
+    let measured = observations
+        .iter()
+        .zip(&exposures)
+        .map(|(o, e)| Observation { noise: o.noise.or(Some(NoiseTerm::Level(e.noise))), ..*o });
     let study = Study { fit, exposures: &exposures, settings: &settings.with(stands_in), progress };
     match study.all(&measured.collect::<Vec<_>>()) {
         Err(error) if stands_in.model != fit.model && error.is_about_model() => Ok(Vec::new()),
@@ -83,7 +84,7 @@ struct Study<'x> {
 }
 
 impl Study<'_> {
-    /// What each measurement would tell, the best first.
+    /// What each measurement would determine, the best first.
     fn all(&self, measured: &[Observation]) -> Result<Vec<Advice>> {
         let same_scenes = |measurement, observations: Vec<Observation>, noise| {
             self.advice(Plan { measurement, observations, exposures: self.exposures.to_vec(), noise })
@@ -157,10 +158,8 @@ impl Study<'_> {
             self.seen(Target { radiance, ..o.target }, o, scene)
         };
         let observed = measured.iter().zip(&checkers).enumerate().map(seen).collect::<Result<Vec<_>>>()?;
-        let sharp = measured.iter().zip(&checkers).zip(&observed).map(|((o, radiance), observed)| Observation {
-            target: Target { radiance, ..o.target },
-            observed,
-            ..*o
+        let sharp = measured.iter().zip(&checkers).zip(&observed).map(|((o, radiance), observed)| {
+            Observation { target: Target { radiance, ..o.target }, observed, ..*o }
         });
         self.advice(Plan {
             measurement: "a target of sharp edges (a checkerboard of the same mean)",
@@ -190,7 +189,8 @@ impl Advice {
     fn of(measurement: &'static str, prospect: &Prospect) -> Self {
         let Prospect { parameters, covariance, .. } = prospect;
         let error = |id: Id, p: &Parameter| covariance.std_error(id).map(|e| e * p.slope().abs());
-        let in_scales = parameters.of_medium().filter_map(|(id, p)| Some(covariance.std_error(id)? / p.scale()));
+        let in_scales =
+            parameters.of_medium().filter_map(|(id, p)| Some(covariance.std_error(id)? / p.scale()));
         let frees = !covariance.leaves_open();
         Self {
             measurement,
@@ -201,9 +201,21 @@ impl Advice {
         }
     }
 
+    /// What is reported of it for `channel`, one of `channels`.
+    pub(super) fn report(&self, channel: &str, channels: usize) -> AdviceReport {
+        AdviceReport {
+            channel: channel.into(),
+            measurement: self.measurement.into(),
+            frees: self.frees,
+            std_errors: self.std_errors.iter().cloned().collect(),
+            message: self.line(&suffix(channel, channels)),
+        }
+    }
+
     /// A line for people; names of parameters end in `suffix`.
-    pub(crate) fn line(&self, suffix: &str) -> String {
-        let known: Vec<String> = self.known.iter().map(|text| text.replacen(' ', &format!("{suffix} "), 1)).collect();
+    fn line(&self, suffix: &str) -> String {
+        let known: Vec<String> =
+            self.known.iter().map(|text| text.replacen(' ', &format!("{suffix} "), 1)).collect();
         match (self.frees, known.is_empty()) {
             (true, _) => format!("{} would determine all: {}", self.measurement, known.join(", ")),
             (false, true) => format!("{} would determine nothing", self.measurement),

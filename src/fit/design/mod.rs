@@ -27,7 +27,7 @@ pub fn add_advice(
     let channels = fit.channels.len();
     for (i, (name, channel)) in fit.channels.iter().enumerate() {
         let advice = advise(&observations(scenes, &reliefs, i), channel, settings, progress)?;
-        fit.report.add_advice(name, channels, &advice);
+        fit.report.advice.extend(advice.iter().map(|one| one.report(name, channels)));
     }
     Ok(())
 }

@@ -1,8 +1,8 @@
 //! What the fit of one channel has found.
 
+use super::combination::Combination;
 use super::covariance::{Covariance, Status};
 use super::exposure::ExposureEstimate;
-use super::identifiability::Combination;
 use super::input_error::InputError;
 use super::model_error::ModelError;
 use crate::fit::optimise::PathsUsed;

@@ -7,6 +7,7 @@
 //! gain·exp(-sigma_a z). For Henyey-Greenstein's phase function 1 - g takes the place of B.
 
 use super::channel_fit::ChannelFit;
+use super::combination::Combination;
 use super::covariance::Status;
 use crate::fit::observation::Observation;
 use crate::fit::parameters::Id;
@@ -14,7 +15,6 @@ use crate::forward::Quantity;
 use crate::geometry::path_lengths;
 use crate::phase::Family;
 use nalgebra::DVector;
-use serde::{Deserialize, Serialize};
 
 /// Correlation of two errors above which what is known of both together is worth telling.
 const ENTANGLED: f64 = 0.95;
@@ -34,22 +34,6 @@ const POWERS: [(f64, &str); 7] = [
     (-1.0, "/b"),
     (1.0 / 3.0, "·b^(1/3)"),
 ];
-
-/// A combination of parameters that the data determine.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-pub struct Combination {
-    /// What it is, in the names of the parameters.
-    pub combination: String,
-    /// Its value at the estimate.
-    pub value: f64,
-    /// Standard error from the noise and from stated errors of depth and gain.
-    pub std_error: f64,
-    /// The same over the value.
-    pub relative_error: f64,
-    /// Error of the model; `None` where it is not known, as where a free gain takes part.
-    pub model_error: Option<f64>,
-}
 
 struct Candidate {
     name: String,
@@ -75,9 +59,8 @@ impl Candidate {
     }
 
     /// Whether it says more than its parts do, where one of them is in trouble.
-    fn tells(&self, fit: &ChannelFit, error: f64) -> bool {
-        let alone =
-            |id: Id| fit.variance_of(&fit.parameters.along(id)).map_or(f64::INFINITY, f64::sqrt);
+    fn is_informative(&self, fit: &ChannelFit, error: f64) -> bool {
+        let alone = |id: Id| fit.variance_of(&fit.parameters.along(id)).map_or(f64::INFINITY, f64::sqrt);
         let part = |id: Id| self.parts[id.row()].abs() * alone(id);
         let taking_part = || {
             let ids = fit.parameters.of_medium().map(|(id, _)| id);
@@ -99,7 +82,7 @@ pub(crate) fn determined(observations: &[Observation], fit: &ChannelFit) -> Vec<
         let error = candidate.error(fit)?;
         let model =
             fit.model_error.as_ref().filter(|_| !candidate.exposed).map(|m| m.of(&candidate.gradient));
-        candidate.tells(fit, error).then_some(Combination {
+        candidate.is_informative(fit, error).then_some(Combination {
             combination: candidate.name,
             value: candidate.value,
             std_error: candidate.value * error,
@@ -144,10 +127,10 @@ fn product(fit: &ChannelFit) -> Option<Candidate> {
 
 /// sigma_t, of direct light.
 fn extinction(fit: &ChannelFit) -> Option<Candidate> {
-    let (sigma_s, sigma_a) =
-        (fit.parameters.value(Quantity::SigmaS), fit.parameters.value(Quantity::SigmaA));
+    let (sigma_s, sigma_a) = (fit.parameters.value(Quantity::SigmaS), fit.parameters.value(Quantity::SigmaA));
     let sigma_t = sigma_s + sigma_a;
-    let gradient = fit.parameters.direction(&[(Quantity::SigmaS, sigma_s), (Quantity::SigmaA, 1.0)]) / sigma_t;
+    let gradient =
+        fit.parameters.direction(&[(Quantity::SigmaS, sigma_s), (Quantity::SigmaA, 1.0)]) / sigma_t;
     (sigma_t > 0.0).then(|| Candidate::of("sigma_t".into(), sigma_t, gradient))
 }
 

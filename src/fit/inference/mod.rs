@@ -2,6 +2,7 @@
 //! is noise.
 
 mod channel_fit;
+mod combination;
 mod covariance;
 mod displacement;
 mod exposure;
@@ -11,9 +12,9 @@ mod lack_of_fit;
 mod model_error;
 
 pub use channel_fit::ChannelFit;
+pub use combination::Combination;
 pub use covariance::{Covariance, Status};
 pub use exposure::ExposureEstimate;
-pub use identifiability::Combination;
 pub use input_error::InputError;
 pub use model_error::ModelError;
 
@@ -28,54 +29,31 @@ use crate::scene::Gain;
 use exposure::exposures;
 use identifiability::determined;
 use lack_of_fit::lack_of_fit;
+use nalgebra::DVector;
 
 /// What `optimum` says of the medium of `task`.
 ///
 /// # Errors
 /// Those of renders by the model and by the reference of all errors.
 pub(super) fn infer<'a>(task: &Task<'_, 'a>, mut optimum: Optimum<'a>) -> Result<ChannelFit> {
-    let (equations, parameters) = (&optimum.equations, &optimum.parameters);
-    let free_exposures = task.observations.iter().map(Observation::free_exposure).sum::<usize>();
-    let fitted = parameters.free_count() + free_exposures;
-    let pixels = optimum.observed.iter().map(Observed::count).sum::<usize>();
-    let reduced_chi2 = 2.0 * equations.cost / pixels.saturating_sub(fitted).max(1) as f64;
-    // Where the noise was only estimated, a misfit counts as noise for the error bars.
-    let variance_scale = if task.estimates_noise() { reduced_chi2.max(1.0) } else { 1.0 };
-    let mut covariance = Covariance::new(equations, parameters, variance_scale);
-    let gauss_newton_step = covariance.step(&equations.gradient);
-    let exposures = exposures(equations, &optimum.observed, &covariance);
-    let (transforms, paths) = (optimum.models.transforms(), optimum.models.paths(parameters)?);
-    let mut at_optimum = Displacement {
-        exposures: Displacement::exposures(equations),
-        observed: &optimum.observed,
-        models: &mut optimum.models,
-        parameters,
-        covariance: &covariance,
-        engine: task.settings.engine(),
-        progress: task.progress,
-    };
-    let model_error = ModelError::new(&mut at_optimum)?;
-    let input_error = InputError::new(&mut at_optimum)?;
+    let size = Size::of(task, &optimum);
+    let (transforms, paths) = (optimum.models.transforms(), optimum.models.paths(&optimum.parameters)?);
+    let errors = Errors::at(task, &mut optimum, &size)?;
     let lacking = optimum.observed.iter().zip(&optimum.images).map(|(o, image)| lack_of_fit(o, image));
-    let lack_of_fit = lacking.fold(0.0, f64::max);
-    if let Some(error) = &model_error {
-        covariance
-            .mark_undetermined(parameters, |g| error.reference_of(g) + error.variance_of(g).sqrt());
-    }
     let first = task.observations[0].target;
     let mut fit = ChannelFit {
         model: task.settings.model,
         start: optimum.start,
-        model_error,
-        input_error,
-        gauss_newton_step,
-        lack_of_fit,
-        exposures,
-        covariance,
+        model_error: errors.of_model,
+        input_error: errors.of_inputs,
+        gauss_newton_step: errors.gauss_newton_step,
+        lack_of_fit: lacking.fold(0.0, f64::max),
+        exposures: errors.exposures,
+        covariance: errors.covariance,
         cost: optimum.equations.cost,
-        reduced_chi2,
-        fitted,
-        pixels,
+        reduced_chi2: size.reduced_chi2,
+        fitted: size.fitted,
+        pixels: size.pixels,
         hidden_pixels: optimum.observed.iter().map(|o| o.hidden).sum(),
         median_z: task.lengths().median,
         pixel_pitch: first.geometry.median_pixel_pitch(),
@@ -98,4 +76,56 @@ pub(super) fn infer<'a>(task: &Task<'_, 'a>, mut optimum: Optimum<'a>) -> Result
     };
     fit.determined = determined(task.observations, &fit);
     Ok(fit)
+}
+
+/// How many numbers were fitted to how many pixels, and how well.
+struct Size {
+    fitted: usize,
+    pixels: usize,
+    reduced_chi2: f64,
+}
+
+impl Size {
+    fn of(task: &Task, optimum: &Optimum) -> Self {
+        let free_exposures = task.observations.iter().map(Observation::free_exposure).sum::<usize>();
+        let fitted = optimum.parameters.free_count() + free_exposures;
+        let pixels = optimum.observed.iter().map(Observed::count).sum::<usize>();
+        let reduced_chi2 = 2.0 * optimum.equations.cost / pixels.saturating_sub(fitted).max(1) as f64;
+        Self { fitted, pixels, reduced_chi2 }
+    }
+}
+
+/// How well everything is known at an optimum.
+struct Errors {
+    covariance: Covariance,
+    gauss_newton_step: DVector<f64>,
+    exposures: Vec<ExposureEstimate>,
+    of_model: Option<ModelError>,
+    of_inputs: InputError,
+}
+
+impl Errors {
+    fn at<'a>(task: &Task<'_, 'a>, optimum: &mut Optimum<'a>, size: &Size) -> Result<Self> {
+        let (equations, parameters) = (&optimum.equations, &optimum.parameters);
+        // Where the noise was only estimated, a misfit counts as noise for the error bars.
+        let variance_scale = if task.estimates_noise() { size.reduced_chi2.max(1.0) } else { 1.0 };
+        let mut covariance = Covariance::new(equations, parameters, variance_scale);
+        let gauss_newton_step = covariance.step(&equations.gradient);
+        let exposures = exposures(equations, &optimum.observed, &covariance);
+        let mut at_optimum = Displacement {
+            exposures: Displacement::exposures(equations),
+            observed: &optimum.observed,
+            models: &mut optimum.models,
+            parameters,
+            covariance: &covariance,
+            engine: task.settings.engine(),
+            progress: task.progress,
+        };
+        let of_model = ModelError::new(&mut at_optimum)?;
+        let of_inputs = InputError::new(&mut at_optimum)?;
+        if let Some(error) = &of_model {
+            covariance.mark_undetermined(parameters, |g| error.reference_of(g) + error.variance_of(g).sqrt());
+        }
+        Ok(Self { covariance, gauss_newton_step, exposures, of_model, of_inputs })
+    }
 }

@@ -21,4 +21,3 @@ pub(super) use start::OTHER_WIDTHS;
 pub(super) use task::Task;
 
 pub use scene_models::PathsUsed;
-pub use solver::Method;

@@ -5,6 +5,7 @@ use super::bounded_step::least_within;
 use super::equations::NormalEquations;
 use super::problem::Problem;
 use crate::error::{Error, Result};
+use crate::fit::Method;
 use crate::fit::parameters::{Bounds, Parameter};
 use crate::forward::Quantity;
 use argmin::core::{
@@ -13,28 +14,6 @@ use argmin::core::{
 };
 use argmin::solver::neldermead::NelderMead;
 use nalgebra::DVector;
-
-/// Choice of optimiser.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Method {
-    /// Damped Gauss-Newton with analytic derivatives (Levenberg 1944, Marquardt 1963).
-    LevenbergMarquardt,
-    /// Simplex without derivatives (Nelder and Mead 1965).
-    NelderMead,
-}
-
-impl Method {
-    /// All optimisers.
-    pub const ALL: [Method; 2] = [Method::LevenbergMarquardt, Method::NelderMead];
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Method::LevenbergMarquardt => "levenberg-marquardt",
-            Method::NelderMead => "nelder-mead",
-        }
-    }
-}
 
 /// Where an optimiser stopped.
 pub(crate) struct Outcome {

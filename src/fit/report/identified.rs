@@ -1,8 +1,6 @@
 //! What is determined where not everything is, and what would free the rest.
 
 use super::Fit;
-use super::build::suffix;
-use crate::fit::design::Advice;
 use crate::fit::inference::{ChannelFit, Combination};
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
@@ -42,18 +40,5 @@ impl Fit {
             channel: channel.into(),
         };
         self.determined.extend(fit.determined.iter().map(determined));
-    }
-
-    /// Adds the `advice` for `channel`, one of `channels`.
-    pub(crate) fn add_advice(&mut self, channel: &str, channels: usize, advice: &[Advice]) {
-        let suffix = suffix(channel, channels);
-        let report = |one: &Advice| AdviceReport {
-            channel: channel.into(),
-            measurement: one.measurement.into(),
-            frees: one.frees,
-            std_errors: one.std_errors.iter().cloned().collect(),
-            message: one.line(&suffix),
-        };
-        self.advice.extend(advice.iter().map(report));
     }
 }

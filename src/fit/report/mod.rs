@@ -3,6 +3,7 @@
 //! A [`Fit`] holds plain values only. JSON is made of it at the edge, and read back as a [`Fit`].
 
 mod build;
+mod candidate;
 mod derived;
 mod estimate;
 mod exposure;
@@ -13,6 +14,7 @@ mod text;
 mod warning;
 mod warnings;
 
+pub use candidate::Candidate;
 pub use derived::Derived;
 pub use estimate::{Estimate, Ways};
 pub use exposure::{ExposureReport, RegistrationErrors, RegistrationReport, Term};
@@ -24,7 +26,6 @@ pub use warning::{Severity, Warning, WarningCode};
 pub(super) use build::suffix;
 
 use super::inference::Status;
-use super::select::Candidate;
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 

@@ -108,7 +108,7 @@ fn evaluation(side: usize) {
     let observed = with_noise(&cpu.image, 0.005, 4);
     let filter = GpuFilter::new(gpu(), scene.target(), &optics, 1.0).unwrap();
     let observation = filter.observe(observed.data.iter().map(|&y| (y, 1.0))).unwrap();
-    let device = filter.products(&optics, &observation, [1.0, 0.0], true).unwrap();
+    let device = filter.products(&optics, &observation, [1.0, 0.0], true, None).unwrap();
     let [s, a, b] = cpu.gradient.unwrap();
     let value = |image: &Image, at: usize| f64::from(image.data[at]);
     let images = |at: usize| {
@@ -124,7 +124,7 @@ fn evaluation(side: usize) {
     for i in 0..6 {
         for j in 0..6 {
             let size = (exact[i][i] * exact[j][j]).sqrt();
-            worst = worst.max((device[i][j] - exact[i][j]).abs() / size);
+            worst = worst.max((device[(i, j)] - exact[i][j]).abs() / size);
         }
     }
     println!("{side}x{side}: sums apart by {worst:.1e} of the norms of the two images");

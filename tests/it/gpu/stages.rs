@@ -5,14 +5,15 @@ use super::twins::{C, bend, collect, gather, pass, split, sums, total, weigh};
 use bytemuck::{Pod, Zeroable};
 use narrowbeam::filter::gpu::shaders::{self, ALL};
 use narrowbeam::filter::gpu::{
-    CanvasLayout, Collect, FftPlan, Gather, NOTHING, PRODUCTS, Pass, Record, Source, Store, Sums, Total,
-    Weigh,
+    CanvasLayout, Collect, FftPlan, Gather, NOTHING, Pass, Record, Source, Store, Sums, Total, Weigh,
+    products,
 };
 use narrowbeam::gpu::Shader;
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
+use std::collections::BTreeSet;
 use wgpu::Buffer;
 use wgpu::naga;
 
@@ -20,37 +21,37 @@ use wgpu::naga;
 /// sum. So they differ by a few roundings of 6e-8 of the largest terms.
 const SAME: f64 = 2e-6;
 
-struct Draw(Xoshiro256PlusPlus);
+pub struct Draw(Xoshiro256PlusPlus);
 
 impl Draw {
-    fn new(seed: u64) -> Self {
+    pub fn new(seed: u64) -> Self {
         Self(Xoshiro256PlusPlus::seed_from_u64(seed))
     }
 
     /// Between -1 and 1.
-    fn number(&mut self) -> f32 {
+    pub fn number(&mut self) -> f32 {
         (self.0.next_u32() >> 8) as f32 / (1 << 23) as f32 - 1.0
     }
 
-    fn below(&mut self, n: u32) -> u32 {
+    pub fn below(&mut self, n: u32) -> u32 {
         self.0.next_u32() % n
     }
 
-    fn numbers(&mut self, count: usize) -> Vec<f32> {
+    pub fn numbers(&mut self, count: usize) -> Vec<f32> {
         (0..count).map(|_| self.number()).collect()
     }
 
-    fn complex(&mut self, count: usize) -> Vec<C> {
+    pub fn complex(&mut self, count: usize) -> Vec<C> {
         (0..count).map(|_| C::new(self.number(), self.number())).collect()
     }
 
     /// Positive factors with any derivatives.
-    fn lanes(&mut self, count: usize) -> Vec<[f32; 4]> {
+    pub fn lanes(&mut self, count: usize) -> Vec<[f32; 4]> {
         let mut lane = || [1.0 + 0.5 * self.number(), self.number(), self.number(), self.number()];
         (0..count).map(|_| lane()).collect()
     }
 
-    fn sources(&mut self, count: usize, slices: u32) -> Vec<Source> {
+    pub fn sources(&mut self, count: usize, slices: u32) -> Vec<Source> {
         let mut source = || Source {
             light: self.number().max(0.0),
             along: [self.below(slices) as f32, self.number()],
@@ -71,11 +72,11 @@ fn difference(device: &[f32], twin: &[f32]) -> f64 {
     f64::from(apart) / f64::from(largest(&mut twin.iter().copied()))
 }
 
-fn floats(values: &[C]) -> Vec<f32> {
+pub fn floats(values: &[C]) -> Vec<f32> {
     values.iter().flat_map(|v| [v.re, v.im]).collect()
 }
 
-fn check(stage: &str, case: &str, device: &[f32], twin: &[f32]) {
+pub fn check(stage: &str, case: &str, device: &[f32], twin: &[f32]) {
     let off = difference(device, twin);
     println!("{stage:8} {case:36} {off:.1e}");
     assert!(off < SAME, "{stage}, {case}: {off}");
@@ -85,12 +86,12 @@ fn check(stage: &str, case: &str, device: &[f32], twin: &[f32]) {
     assert!(difference(&wrong, twin) > SAME, "{stage}, {case}");
 }
 
-fn complex_buffer(values: &[C]) -> Buffer {
+pub fn complex_buffer(values: &[C]) -> Buffer {
     gpu().upload("complex", &floats(values)).unwrap()
 }
 
 /// Runs `shader` and reads `count` floats of the buffer number `read` back.
-fn run<P: Pod>(
+pub fn run<P: Pod>(
     shader: &Shader,
     parameters: &P,
     buffers: &[&Buffer],
@@ -103,12 +104,12 @@ fn run<P: Pod>(
     read.iter().map(|&(i, count)| gpu().read(buffers[i], count).unwrap()).collect()
 }
 
-fn canvas(border: u32) -> CanvasLayout {
+pub fn canvas(border: u32) -> CanvasLayout {
     CanvasLayout { size: [18, 14], object: [9, 7], margin: [4, 3], border, sheets: 2 }
 }
 
-const PIXELS: usize = 18 * 14;
-const OBJECT: usize = 9 * 7;
+pub const PIXELS: usize = 18 * 14;
+pub const OBJECT: usize = 9 * 7;
 
 #[test]
 fn every_shader_is_valid() {
@@ -173,7 +174,7 @@ fn weigh_equals_its_twin() {
 }
 
 /// Stands for a complex number in a buffer.
-type C2 = [f32; 2];
+pub type C2 = [f32; 2];
 
 #[test]
 fn transforms_equal_those_of_rustfft() {
@@ -367,35 +368,39 @@ fn sums_and_their_total_equal_their_twins_and_lose_nothing() {
     let mut draw = Draw::new(6);
     let pixels = 30_000;
     let groups = 8;
-    for derivatives in [0, 1] {
-        let planes: Vec<f32> = draw.numbers(4 * pixels).into_iter().map(|v| 1.0 + 0.5 * v).collect();
+    for (images, derivatives) in [(6, 0), (6, 1), (8, 0), (8, 1)] {
+        let shader = if images == 6 { &shaders::SUMS } else { &shaders::SUMS_OF_EIGHT };
+        let case = format!("{images} images, gradient {derivatives}");
+        let planes: Vec<f32> =
+            draw.numbers((images - 2) * pixels).into_iter().map(|v| 1.0 + 0.5 * v).collect();
         // The residual is a thousandth of the image.
         let observe =
             |draw: &mut Draw, m: f32| [1.5 * m + 0.1 + 1e-3 * draw.number(), draw.below(4).min(1) as f32];
         let observed: Vec<C2> = planes[..pixels].iter().map(|&m| observe(&mut draw, m)).collect();
         let parameters =
             Sums { pixels: pixels as u32, gain: 1.5, veil: 0.1, derivatives, zero: 0, padding: [0; 3] };
-        let partial = gpu().empty::<C2>("partial", groups * PRODUCTS).unwrap();
+        let partial = gpu().empty::<C2>("partial", groups * products(images)).unwrap();
         let buffers = [
             &gpu().upload("planes", &planes).unwrap(),
             &gpu().upload("observed", &observed).unwrap(),
             &partial,
         ];
-        let count = 2 * groups * PRODUCTS;
-        let device = run(&shaders::SUMS, &parameters, &buffers, groups, &[(2, count)]);
-        let twin = sums::sums(&parameters, &planes, &observed, groups);
-        check("sums", &format!("gradient {derivatives}"), &device[0], twin.as_flattened());
+        let count = 2 * groups * products(images);
+        let device = run(shader, &parameters, &buffers, groups, &[(2, count)]);
+        let twin = sums::sums(&parameters, images, &planes, &observed, groups);
+        check("sums", &case, &device[0], twin.as_flattened());
 
-        let parameters = Total { groups: groups as u32, products: PRODUCTS as u32, zero: 0, padding: 0 };
-        let whole = gpu().empty::<C2>("whole", PRODUCTS).unwrap();
-        let device = run(&shaders::TOTAL, &parameters, &[&partial, &whole], 1, &[(1, 2 * PRODUCTS)]);
+        let parameters =
+            Total { groups: groups as u32, products: products(images) as u32, zero: 0, padding: 0 };
+        let whole = gpu().empty::<C2>("whole", products(images)).unwrap();
+        let device = run(&shaders::TOTAL, &parameters, &[&partial, &whole], 1, &[(1, 2 * products(images))]);
         let twin = total::total(&parameters, &twin);
-        check("total", &format!("gradient {derivatives}"), &device[0], twin.as_flattened());
+        check("total", &case, &device[0], twin.as_flattened());
 
-        let exact = exact_sums(&planes, &observed, derivatives == 1);
+        let exact = exact_sums(images, &planes, &observed, derivatives == 1);
         let place = |i: usize, j: usize| i * (i + 1) / 2 + j;
         let mut worst: f64 = 0.0;
-        for (i, j) in (0..6).flat_map(|i| (0..=i).map(move |j| (i, j))) {
+        for (i, j) in (0..images).flat_map(|i| (0..=i).map(move |j| (i, j))) {
             let [high, low] = [0, 1].map(|k| f64::from(device[0][2 * place(i, j) + k]));
             let size = (exact[place(i, i)] * exact[place(j, j)]).sqrt().max(1.0);
             worst = worst.max((high + low - exact[place(i, j)]).abs() / size);
@@ -415,28 +420,35 @@ fn sums_and_their_total_equal_their_twins_and_lose_nothing() {
 }
 
 /// The same products in f64, of the same f32 images.
-fn exact_sums(planes: &[f32], observed: &[C2], derivatives: bool) -> Vec<f64> {
+fn exact_sums(images: usize, planes: &[f32], observed: &[C2], derivatives: bool) -> Vec<f64> {
     let pixels = observed.len();
-    let mut sums = vec![0.0; PRODUCTS];
+    let mut sums = vec![0.0; products(images)];
     for (at, here) in observed.iter().enumerate().filter(|(_, here)| here[1] > 0.0) {
         let m = f64::from(planes[at]);
         let d = |c: usize| if derivatives { f64::from(planes[c * pixels + at]) } else { 0.0 };
         let residual = f64::from(1.5f32) * m + f64::from(0.1f32) - f64::from(here[0]);
-        let all = [m, d(1), d(2), d(3), residual, 1.0];
-        let products = (0..6).flat_map(|i| (0..=i).map(move |j| (i, j)));
+        let rendered = std::iter::once(m).chain((1..images - 2).map(d));
+        let all: Vec<f64> = rendered.chain([residual, 1.0]).collect();
+        let products = (0..images).flat_map(|i| (0..=i).map(move |j| (i, j)));
         sums.iter_mut().zip(products).for_each(|(sum, (i, j))| *sum += all[i] * all[j]);
     }
     sums
+}
+
+/// The file that a shader is in: its name, before what it is made for.
+fn file(shader: &Shader) -> &'static str {
+    shader.name.split(' ').next().unwrap()
 }
 
 #[test]
 fn twins_have_the_names_of_the_shaders() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
     for shader in ALL.iter().filter(|shader| shader.name != "fft") {
-        let twin = folder.join("tests/it/gpu/twins").join(shader.name).with_extension("rs");
+        let twin = folder.join("tests/it/gpu/twins").join(file(shader)).with_extension("rs");
         assert!(twin.is_file(), "{}", twin.display());
     }
     let files = std::fs::read_dir(folder.join("shaders")).unwrap();
     let count = files.filter(|f| f.as_ref().unwrap().path().extension().is_some()).count();
-    assert_eq!(count, ALL.len(), "a shader file is not among those checked");
+    let checked: BTreeSet<&str> = ALL.iter().map(file).collect();
+    assert_eq!(count, checked.len(), "a shader file is not among those checked");
 }
