@@ -1,4 +1,4 @@
-//! Linear images: row-major f32, one plane a channel, row 0 at the top. No colour management here.
+//! Linear images: row-major f32, one plane per channel, row 0 at the top. No colour management here.
 
 /// One channel of an image, row-major, row 0 at the top.
 #[derive(Debug, Clone, PartialEq)]

@@ -78,9 +78,11 @@
 //! | [`spread`] | the kernels: `beer-lambert` to `wide-angle` |
 //! | [`filter`] | from the clear object to the image through the medium, for any depth map |
 //! | [`illumination`], [`synthesis`] | light that falls into the medium and its veil; images with all their light |
+//! | [`relief`] | slopes and occluders of a depth map |
+//! | [`forward`] | from parameters to images and their inner products, with derivatives |
 //! | [`fit`] | estimates, their errors, the report |
 //! | [`gpu`] | compute on graphics adapters; contains no optics |
-//! | [`trace`] | photon tracer: independent evidence, uses neither `spread` nor `filter` nor `fit` |
+//! | [`trace`] | photon tracer: an independent check, uses neither `spread` nor `filter` nor `fit` |
 //! | [`scene`], [`io`] | scene files; EXR and PNG |
 //! | [`error`](mod@error) | every error, naming its cause |
 //!
@@ -95,7 +97,7 @@
 //! | --- | --- |
 //! | `gpu` | [`gpu`]: renders and fits on a graphics adapter |
 //! | `plots` | `plots`: figures as PNG and SVG |
-//! | `lab` | `lab`: studies, the paper's experiments, the maker of tables |
+//! | `lab` | `lab`: studies, the paper's experiments, tables of kernels |
 //! | `cli` | `cli`, and the program `narrowbeam`, which needs all others |
 
 mod chebyshev;

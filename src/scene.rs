@@ -156,7 +156,7 @@ pub enum Veil {
     Fixed(f64),
     /// A known image, the same channels as the observation's.
     Image(Vec<Channel>),
-    /// One number a channel, fitted.
+    /// One number per channel, fitted.
     Free,
 }
 

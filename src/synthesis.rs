@@ -110,7 +110,7 @@ fn unscattered(target: &Target, transmittance: impl Fn(f64) -> f64) -> Image {
     })
 }
 
-/// The veil of every pixel of the view. Where there is no object the ray goes on to the bottom, where there is no
+/// The veil of every pixel of the view. Where there is no object the ray continues to the bottom. Where there is no
 /// surface of the medium there is no veil.
 fn veil(scene: &Scene, light: &PlaneParallel) -> Image {
     let geometry = &scene.geometry;

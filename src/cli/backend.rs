@@ -22,7 +22,7 @@ pub(super) struct Chosen {
     pub reason: String,
 }
 
-/// Time that the CPU takes for one evaluation with derivatives, seconds a pixel, at one depth and over a depth map;
+/// Time that the CPU takes for one evaluation with derivatives, seconds per pixel, at one depth and over a depth map;
 /// from `cargo bench --bench backends` on two cores.
 const PIXEL_SECONDS: [f64; 2] = [4e-8, 3e-7];
 /// Work for the CPU below which no device is opened: a few times what opening one and compiling the shaders takes.

@@ -41,7 +41,7 @@ pub(super) struct Arguments {
     /// Also find 95 % intervals by profile likelihood, for each free parameter
     #[arg(long)]
     profile: bool,
-    /// Also find 95 % intervals by so many refits of the best fit with fresh noise
+    /// Also find 95 % intervals by N refits of the best fit with new noise
     #[arg(long, value_name = "N", default_value_t = 0)]
     bootstrap: usize,
     /// Directory for fit.json, render.exr, residual.exr, hidden_share.exr (if something is hidden) and pictures
@@ -122,7 +122,7 @@ fn estimate(arguments: &Arguments, scenes: &[ObservedScene], chosen: &Chosen) ->
     }
 }
 
-/// The intervals that `--profile` and `--bootstrap` ask for.
+/// The intervals for `--profile` and `--bootstrap`.
 fn add_intervals(
     arguments: &Arguments,
     scenes: &[ObservedScene],

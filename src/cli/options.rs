@@ -82,7 +82,7 @@ impl TracingOptions {
         let refuse = |why: &str| Err(Usage(why.into()));
         if traced && rendering.filter == Filter::Eq29 {
             return refuse(
-                "--model traced sees the edges and slopes of the object; --filter eq29 knows none",
+                "--model traced includes the edges and slopes of the object; --filter eq29 ignores them",
             );
         }
         if !traced && self.paths.is_some() {
@@ -146,7 +146,7 @@ pub(super) fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
-/// The media of the channels, for the files that a command writes; one value a channel.
+/// The media of the channels, for the files that a command writes; one value per channel.
 pub(super) fn record_of(media: &[Medium]) -> Vec<(String, String)> {
     let each =
         |value: fn(&Medium) -> f64| media.iter().map(|m| value(m).to_string()).collect::<Vec<_>>().join(" ");

@@ -72,7 +72,7 @@ fn channel_seed(seed: u64, i: usize) -> u64 {
     seed.wrapping_add((i as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15))
 }
 
-/// How the image was made; one value a channel.
+/// How the image was made; one value per channel.
 fn record(arguments: &Arguments, media: &[Medium]) -> Vec<(String, String)> {
     let mut pairs = provenance();
     pairs.push(("seed".into(), arguments.seed.to_string()));

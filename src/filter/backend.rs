@@ -63,6 +63,22 @@ impl<'a> Backend<'a> {
         self.of(Plan::new(target, optics, headroom)?)
     }
 
+    /// The same with padding for shifts of up to `shift_px` beside that for the kernels, so that nothing that a shift
+    /// moves past one end of the padded image enters the view from the other.
+    ///
+    /// # Errors
+    /// As [`prepare`](Self::prepare).
+    pub fn prepare_for_shifts(
+        self,
+        target: Target<'a>,
+        optics: &Optics,
+        headroom: f64,
+        shift_px: f64,
+    ) -> Result<Prepared<'a>> {
+        let (plan, layers) = Plan::new(target, optics, headroom)?;
+        self.of((plan.padded_by(shift_px), layers))
+    }
+
     /// Prepares `target` with at most `count` slices along z between any two occluders and padding for kernels that reach
     /// `reach_px` pixels.
     ///

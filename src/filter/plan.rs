@@ -82,6 +82,11 @@ impl<'a> Plan<'a> {
         (Self::with(target, slices.expect("a number of slices cannot fail"), reach_px), layers)
     }
 
+    /// The same with `px` more of padding.
+    pub(super) fn padded_by(self, px: f64) -> Self {
+        Self { reach_px: self.reach_px + px, ..self }
+    }
+
     fn with(target: Target<'a>, slices: Vec<Option<Slices>>, reach_px: f64) -> Self {
         let obliquities = Obliquities::new(target.geometry, target.view);
         Self { target, reach_px, obliquities, slices }

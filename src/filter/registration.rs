@@ -38,6 +38,8 @@ const STEPS: [usize; 2] = [2, 3];
 const LONGEST_STEP: f64 = 0.5;
 /// Least share of its power that the noise of a ring is taken for.
 const LEAST_NOISE: f64 = 1e-3;
+/// Share of the mean that rounding of f32 may make of a constant image.
+const ROUNDING: f64 = 1e-7;
 
 /// Shift of `observed` against `object`, px, +x to the right and +y down: what the clear image `object` has at x is seen
 /// in `observed` at x + shift. Both are of one size and show the same view; pixels of `observed` where `mask` is 0 are
@@ -143,7 +145,9 @@ impl Windows {
         let [clear, observed] = images.map(|image| {
             let weighted = || image.data.iter().zip(&weights).map(|(v, weight)| (f64::from(*v), weight));
             let mean = weighted().map(|(v, weight)| v * weight).sum::<f64>() * inverse(total);
-            spectrum(weighted().map(|(v, weight)| (v - mean) * weight).collect())
+            // A constant image is its mean but for rounding.
+            let detail = |v: f64| if (v - mean).abs() > ROUNDING * mean.abs() { v - mean } else { 0.0 };
+            spectrum(weighted().map(|(v, weight)| detail(v) * weight).collect())
         });
         let mut overlap = fft.inverse(spectrum(weights).iter().map(|v| v.norm_sqr().into()).collect());
         let whole = inverse(overlap[0]);

@@ -127,6 +127,9 @@ pub struct Radius {
     pub logarithmic: f64,
 }
 
+/// How much farther than the state's shift a prepared model may be shifted, px: a fit starts from a shift known to less.
+const SHIFT_MARGIN_PX: f64 = 2.0;
+
 /// What makes forward models: a model, where it runs, and how many paths it traces if it does.
 #[derive(Clone, Copy)]
 pub struct Engine<'a> {
@@ -153,7 +156,14 @@ impl<'a> Engine<'a> {
         if self.model == Model::Traced {
             return Ok(Box::new(Replayed::new(target, state, self.tracing, scene as u64)?));
         }
-        let filter = self.backend.prepare(target, &self.optics(state.medium), headroom)?;
+        let optics = self.optics(state.medium);
+        let filter = match state.shift_px {
+            Some([x, y]) => {
+                let farthest = x.abs().max(y.abs()) + SHIFT_MARGIN_PX;
+                self.backend.prepare_for_shifts(target, &optics, headroom, farthest)?
+            }
+            None => self.backend.prepare(target, &optics, headroom)?,
+        };
         Ok(Box::new(Filtered::new(self.model, filter)))
     }
 

@@ -19,7 +19,7 @@ use glam::DVec3;
 pub enum Field {
     /// One value everywhere.
     Uniform(f64),
-    /// One value a pixel.
+    /// One value per pixel.
     Map(Image),
 }
 

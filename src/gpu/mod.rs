@@ -1,6 +1,6 @@
 //! Compute on a graphics adapter: which adapter, buffers, shader stages, and their errors. It contains no optics.
 //!
-//! An error that the driver reports while work is recorded (too little memory, a lost device) is kept and comes out of
+//! An error that the driver reports while work is recorded (too little memory, a lost device) is kept and returned by
 //! the next [`Gpu::submit`] or [`Gpu::read`]: nothing panics.
 
 mod adapter;

@@ -72,12 +72,12 @@ impl<'a> Front<'a> {
         let (map, depth) = (&self.maps[0], &self.depth);
         let mut inpainted: Vec<f64> = across.iter().zip(depth).map(|(a, d)| a.unwrap_or(*d)).collect();
         let opaque: Vec<usize> = (0..across.len()).filter(|&i| across[i].is_some()).collect();
-        let says = |i: usize, j: usize| {
+        let counts = |i: usize, j: usize| {
             across[j].is_some() || depth[j] > depth[i] || !map.is_edge(depth[i], depth[j])
         };
         let around: Vec<Vec<usize>> = opaque
             .iter()
-            .map(|&i| map.neighbours(i).into_iter().flatten().filter(|&j| says(i, j)).collect())
+            .map(|&i| map.neighbours(i).into_iter().flatten().filter(|&j| counts(i, j)).collect())
             .collect();
         for sweep in 0..MOST_SWEEPS {
             let mut change: f64 = 0.0;

@@ -63,7 +63,7 @@ struct Row<M> {
 }
 
 impl<P: Likelihood> Hits<P> {
-    /// Traces `config.samples` paths a pixel, rounded up to a multiple of [`BATCHES`]; `progress` receives the number of
+    /// Traces `config.samples` paths per pixel, rounded up to a multiple of [`BATCHES`]; `progress` receives the number of
     /// paths of each finished row, from any thread.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! Photon tracer: the independent witness for everything that the kernels and the filter claim.
+//! Photon tracer: an independent check of the kernels and the filter.
 //!
 //! Light is followed through the full three-dimensional transport equation of a homogeneous, index-matched
 //! medium, without small angles. A path starts at the medium's surface, flies free distances of density

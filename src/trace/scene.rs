@@ -1,4 +1,4 @@
-//! A scene as paths meet it: from a place in the image into the medium, and on to the object or out of sight.
+//! A scene for tracing: from a place in the image into the medium, and to the object unless the path is lost.
 //!
 //! The first scattering is forced to lie before the object, with the weight 1 - exp(-sigma_s z); the path then continues at
 //! random until it meets the object or is lost. Rays that see no object scatter too.

@@ -1,6 +1,6 @@
 //! What is counted at one plane, and the search for a radius bin.
 
-/// Bits of r² (as f32) left out of the table index: 3 of the 23 mantissa bits stay, eight cells an octave.
+/// Bits of r² (as f32) left out of the table index: 3 of the 23 mantissa bits stay, eight cells per octave.
 const CELL_BITS: u32 = 20;
 
 /// Finds the bin of r² among increasing edges without a logarithm: a table over the leading bits of the float,

@@ -1,4 +1,4 @@
-//! The charts: a panel a dataset.
+//! The charts: one panel per dataset.
 
 use super::points::{Clock, Points};
 use crate::error::Result;

@@ -116,7 +116,7 @@ pub(super) fn fronts(charted: &[Charted], clock: Clock) -> Vec<Vec<String>> {
             let trial = &c.renders[i];
             let how = match trial.way {
                 Way::Filter { filter, .. } => filter.name().into(),
-                Way::Trace { samples } => format!("{samples} paths a pixel"),
+                Way::Trace { samples } => format!("{samples} paths per pixel"),
             };
             format!("{}, {how}, {}", trial.way.name(), trial.backend)
         };

@@ -32,7 +32,7 @@ pub(super) fn write(dir: &Path, rings: &[Rings]) -> Result<String> {
     Ok(text(&rows(rings)?))
 }
 
-/// The light per radius of tracer and kernels, one line a ring.
+/// The light per radius of tracer and kernels, one line per ring.
 pub(super) fn profiles(rings: &[Rings]) -> String {
     let mut csv = String::from("albedo,spread_angle_deg,z,r,traced,traced_std_error");
     rings.iter().take(1).flat_map(|plane| &plane.kernels).for_each(|(model, _)| csv += &format!(",{model}"));

@@ -112,7 +112,7 @@ struct Curve {
     log: bool,
 }
 
-/// The worst error along each sweep; a row a sweep, a column for each medium.
+/// The worst error along each sweep; one row per sweep, one column per medium.
 fn curves(trials: &[Trial]) -> ChartGrid {
     let row = |curve: &Curve| {
         let here: Vec<&Trial> = trials.iter().filter(|t| t.place.sweep == curve.sweep).collect();

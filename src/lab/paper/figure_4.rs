@@ -11,7 +11,7 @@ pub const DEEPEST: f64 = 3.0;
 /// Largest radius, mean free paths.
 pub const FARTHEST: f64 = 1.5;
 
-/// One experiment a spread angle: planes evenly spaced, rings of one width at all of them.
+/// One experiment per spread angle: planes evenly spaced, rings of one width at all of them.
 pub fn experiments(effort: Effort) -> Vec<Experiment> {
     let (planes, rings, paths) = match effort {
         Effort::Full => (60, 120, 10_000_000),

@@ -23,7 +23,7 @@ pub(super) fn paths(effort: Effort) -> u64 {
     }
 }
 
-/// One experiment a spread angle, from 5 to 60 degrees.
+/// One experiment per spread angle, from 5 to 60 degrees.
 pub fn experiments(effort: Effort) -> Vec<Experiment> {
     let experiment = |i: u64| Experiment {
         albedo: ALBEDO,

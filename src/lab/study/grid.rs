@@ -18,7 +18,7 @@ use rayon::prelude::*;
 pub struct Extent {
     /// Side of the images, px.
     pub side: usize,
-    /// Paths a pixel of a traced image.
+    /// Paths per pixel of a traced image.
     pub samples: u32,
     /// Scattering depths of the grid.
     pub tau: Vec<f64>,

@@ -21,7 +21,7 @@
 //! - *Light scattered once* comes from quadrature; only the rest is traced, by paths that all scatter twice. So there is no
 //!   noise in the 1/r singularity, and none in the total where small-angle theory holds.
 //! - *Between nodes*: a polynomial on Chebyshev points in sqrt(tau), ln(1 + 2a), and D or ln(1 - g) ([`layout`]). It is
-//!   entire in tau but for the zeros of phi; in a it has its next singularity at the slowest decay of light kept in
+//!   entire in tau except for the zeros of phi; in a it has its next singularity at the slowest decay of light kept in
 //!   the layer, some -0.4. So the error falls geometrically with the number of nodes, and all derivatives are
 //!   continuous.
 //!

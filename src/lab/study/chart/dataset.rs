@@ -128,7 +128,7 @@ impl Dataset {
         self.counted.len()
     }
 
-    /// The error of a render, one image a channel, relative to the root mean square of the observed light.
+    /// The error of a render, one image per channel, relative to the root mean square of the observed light.
     pub fn error_of(&self, render: &[Image]) -> RmsError {
         let pixels = self.counted.iter().map(|&(c, i)| f64::from(render[c].data[i]));
         self.compare(pixels.collect()).expect("there is light: checked on reading")

@@ -26,7 +26,7 @@ pub enum Way {
     },
     /// By tracing.
     Trace {
-        /// Paths a pixel.
+        /// Paths per pixel.
         samples: u32,
     },
 }

@@ -13,7 +13,7 @@ pub struct Effort {
     pub runs: usize,
     /// Seconds after which no further run begins.
     pub patience: f64,
-    /// Paths a pixel of the traced images.
+    /// Paths per pixel of the traced images.
     pub samples: Vec<u32>,
 }
 

@@ -1,4 +1,4 @@
-//! Sweeps along which the scene is not what the fit is told: depths, gains, phase functions, media, pixels.
+//! Sweeps along which the scene file is wrong: depths, gains, phase functions, media, pixels.
 
 use super::{SWEPT, Sweeps};
 use crate::error::Result;
