@@ -46,18 +46,17 @@ fn truth(folder: &Path) -> Medium {
 /// staged sets are held to more in sigma_s and sigma_a: that error, up to 3 % of sigma_a and B at their depths, and
 /// little besides; on the stage, a few screens stand for all edges.
 fn tolerance(name: &str, truth: Medium, z: f64, quantity: Quantity) -> f64 {
-    let share = |sigma_s, sigma_a, b| match quantity {
-        Quantity::SigmaS => sigma_s,
-        Quantity::SigmaA => sigma_a,
-        _ => b,
-    };
-    let share = match name {
-        "mitsuba-planes" | "mitsuba-tilt" => share(0.01, 0.03, 0.05),
-        "mitsuba-stage" => share(0.02, 0.05, 0.06),
-        _ if quantity == Quantity::SigmaA => return 0.02 / z,
-        _ => share(0.03, 0.0, 0.05),
-    };
-    share * value_of(truth, quantity)
+    let truth = value_of(truth, quantity);
+    match (name, quantity) {
+        ("mitsuba-planes" | "mitsuba-tilt", Quantity::SigmaS) => 0.01 * truth,
+        ("mitsuba-planes" | "mitsuba-tilt", Quantity::SigmaA) => 0.03 * truth,
+        ("mitsuba-stage", Quantity::SigmaS) => 0.02 * truth,
+        ("mitsuba-stage", Quantity::SigmaA) => 0.05 * truth,
+        ("mitsuba-stage", _) => 0.06 * truth,
+        (_, Quantity::SigmaS) => 0.03 * truth,
+        (_, Quantity::SigmaA) => 0.02 / z,
+        _ => 0.05 * truth,
+    }
 }
 
 /// Whether `fit` holds the `truth` of the dataset `name`.
