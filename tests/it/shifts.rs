@@ -2,7 +2,7 @@
 
 use crate::common::{pixels, relative_l2, sloping, texture};
 use narrowbeam::filter::cpu::CpuFilter;
-use narrowbeam::filter::{Filter, Optics, Target, direct_sum, per_depth};
+use narrowbeam::filter::{Backend, Filter, Optics, Prepared, Target, direct_sum, per_depth};
 use narrowbeam::geometry::{Camera, Field, Geometry};
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
@@ -228,5 +228,27 @@ fn derivatives_are_those_of_the_shifted_image() {
             // A central difference errs by the square of its relative step, some 1e-4.
             assert!(off < 5e-4, "derivative {i}: {off:.1e}");
         }
+    }
+}
+
+/// Light that leaves on one side must not come back on the other, though the kernel is narrow.
+#[test]
+fn padding_for_shifts_keeps_the_far_side_out() {
+    let optics = optics(B);
+    for (border, inner) in [(Border::Zero, None), (Border::Clamp, Some(0))] {
+        let geometry = Geometry::planar(40, 32, 2.0, 1.5).unwrap();
+        let scene = Scene { view: View::whole(40, 32), ..Scene::new(geometry, border) };
+        let still = scene.filter().render(&optics).unwrap();
+        let image = |prepared: Prepared| prepared.render_shifted(&optics, [12.0, 0.0]).unwrap();
+        let padded = image(Backend::Cpu.prepare_for_shifts(scene.target(), &optics, 1.0, 12.0).unwrap());
+        let plain = image(Backend::Cpu.prepare(scene.target(), &optics, 1.0).unwrap());
+        // A tenth of a pixel of blur leaves next to nothing beyond the third column outside.
+        let outside = |y: usize| inner.map_or(0.0, |x: usize| still.at(x, y));
+        let off = |image: &Image| {
+            let columns = (0..9).flat_map(|x| (2..30).map(move |y| (x, y)));
+            columns.map(|(x, y)| (image.at(x, y) - outside(y)).abs()).fold(0.0, f32::max)
+        };
+        println!("{border:?}: off by {:.1e}, plainly padded by {:.1e}", off(&padded), off(&plain));
+        assert!(off(&padded) < 0.02 && off(&plain) > 0.1, "{border:?}");
     }
 }
