@@ -1,10 +1,13 @@
 //! The rule of no silent failure: what counts as one, and that a coarse map of where methods fail has none.
 
 use crate::common::program::narrowbeam;
+use narrowbeam::fit::Method as Solver;
+use narrowbeam::fit::noise::with_noise;
 use narrowbeam::phase::b_of_spread_angle;
 use narrowbeam::scene::MediumValues;
 use narrowbeam::spread::Model;
 use narrowbeam::study::stability::{Found, Method, Outcome, Tally, Trial, Verdict};
+use narrowbeam::study::sweeps::plane;
 use narrowbeam::study::{Setting, Texture};
 
 /// What was found of a parameter that is `error` off.
@@ -85,6 +88,24 @@ fn no_method_fails_silently_on_a_coarse_map() {
     for picture in ["error", "verdict", "sweeps"] {
         for kind in ["png", "svg"] {
             assert!(folder.path().join(format!("made/stability_{picture}.{kind}")).is_file());
+        }
+    }
+}
+
+/// What the coarse map leaves out: there small-angle theory's simplex starts, too, which takes a minute.
+#[test]
+fn a_start_two_decades_too_wide_misleads_no_method_silently() {
+    let simplex = Method { model: Some(Model::WideAngle), solver: Solver::NelderMead };
+    for degrees in [6.0, 30.0] {
+        let setting = plane(1.5, degrees, 32);
+        let clean = setting.render(Model::WideAngle).unwrap();
+        let mut scene = setting.scene(with_noise(&clean, 0.005 * clean.mean(), 1), None).unwrap();
+        let [sigma_s, sigma_a, b] = setting.truth();
+        scene.fit[0].start = [Some(100.0 * sigma_s), Some(sigma_a), Some(100.0 * b)];
+        for method in [Method::of(Model::SmallAngle), Method::of(Model::WideAngle), simplex] {
+            let outcome = method.try_on(&scene, &setting, [true; 3]);
+            println!("{degrees}°, {}: {:?}", method.name(), outcome.verdict());
+            assert_ne!(outcome.verdict(), Verdict::Silent, "{degrees}°, {}", method.name());
         }
     }
 }
