@@ -1,5 +1,6 @@
 //! The bundled datasets, made by programs that know nothing of the spread models: what comes back of their media.
 
+use crate::common::bundled::{dataset, fit};
 use narrowbeam::filter::Filter;
 use narrowbeam::fit::scenes::{SceneFit, fit_scenes};
 use narrowbeam::fit::{NAMES, Settings};
@@ -15,8 +16,7 @@ fn datasets() -> Vec<(String, PathBuf)> {
 
 /// Names and folders of all bundled datasets.
 fn folders() -> Vec<(String, PathBuf)> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("datasets");
-    let mut all: Vec<_> = std::fs::read_dir(folder)
+    let mut all: Vec<_> = std::fs::read_dir(dataset(""))
         .unwrap()
         .map(|entry| entry.unwrap())
         .filter(|entry| entry.path().join("scene.toml").is_file())
@@ -28,11 +28,6 @@ fn folders() -> Vec<(String, PathBuf)> {
 
 /// Sets of parted depths, observed by Mitsuba from whole shapes.
 const STAGED: [&str; 3] = ["mitsuba-planes", "mitsuba-stage", "mitsuba-tilt"];
-
-fn fit(scene: &Path, model: Model, filter: Filter) -> SceneFit {
-    let scene = Scene::read(scene, Purpose::Fit).unwrap();
-    fit_scenes(&[scene], &Settings { model, ..Settings::default() }, filter).unwrap()
-}
 
 fn truth(folder: &Path) -> [f64; 3] {
     let [sigma_s, sigma_a, b] = read_truth(&folder.join("truth.toml")).unwrap()[0].values();
@@ -93,15 +88,14 @@ fn every_dataset_gives_its_medium_back() {
     let mut failed = Vec::new();
     println!("{HEADING}");
     for (name, folder) in &all {
-        let scene = folder.join("scene.toml");
-        let (fit_by, truth) = (|filter| fit(&scene, Model::SmallAngle, filter), truth(folder));
+        let (fit_by, truth) = (|filter| fit(name, Model::SmallAngle, filter), truth(folder));
         let fit = fit_by(Filter::Auto);
         assert!(fit.report.is_complete(), "{name}: {:?}", fit.report.warnings);
         let allowed = tolerance(name, truth, fit.channels[0].1.median_z);
         let beside = fit.report.filter == "composite";
-        let eq29 = beside.then(|| errors(&fit_by(Filter::Eq29), truth));
-        print_rows(name, &fit, truth, eq29);
-        if !is_within(errors(&fit, truth), allowed) {
+        let eq29 = beside.then(|| errors(fit_by(Filter::Eq29), truth));
+        print_rows(name, fit, truth, eq29);
+        if !is_within(errors(fit, truth), allowed) {
             failed.push(name);
         }
         if let Some(eq29) = eq29
@@ -117,8 +111,9 @@ fn every_dataset_gives_its_medium_back() {
 
 #[test]
 fn what_is_hidden_need_not_be_left_out_if_a_layer_shows_it() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("datasets/mitsuba-planes");
-    let fit = fit(&folder.join("layers.toml"), Model::SmallAngle, Filter::Auto);
+    let folder = dataset("mitsuba-planes");
+    let scene = Scene::read(&folder.join("layers.toml"), Purpose::Fit).unwrap();
+    let fit = fit_scenes(&[scene], &Settings::default(), Filter::Auto).unwrap();
     let (channel, truth) = (&fit.channels[0].1, truth(&folder));
     println!("{HEADING}");
     print_rows("planes, layers", &fit, truth, None);
@@ -144,11 +139,10 @@ fn the_printed_kernel_gives_b_too_low_and_loses_sigma_s_in_thick_media() {
     // Fitted to the true transport the kernel with the second moment of eq. 21 puts B 26-57 % low, and in thick
     // media sigma_s runs away: its moment is up to three times too large, and its shape has too much weight near 0.
     // The staged sets span too many depths to be thin or thick.
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("datasets");
     println!("dataset            tau    error of sigma_s, sigma_a, B in percent (narrow-beam-printed)");
-    let printed = |folder: &Path| fit(&folder.join("scene.toml"), Model::NarrowBeamPrinted, Filter::Eq29);
+    let printed = |name: &str| fit(name, Model::NarrowBeamPrinted, Filter::Eq29);
     for (name, folder) in datasets().into_iter().filter(|(name, _)| !STAGED.contains(&name.as_str())) {
-        let (_, channel) = &printed(&folder).channels[0];
+        let (_, channel) = &printed(&name).channels[0];
         let (truth, value) = (truth(&folder), channel.parameters.values());
         let error: Vec<f64> = (0..3).map(|i| 100.0 * (value[i] / truth[i] - 1.0)).collect();
         let tau = truth[0] * channel.median_z;
@@ -158,7 +152,7 @@ fn the_printed_kernel_gives_b_too_low_and_loses_sigma_s_in_thick_media() {
             assert!(error[2] > -57.0 && error[0].abs() < 15.0, "{name}: {error:?}");
         }
     }
-    let thick = printed(&root.join("mitsuba-slope"));
+    let thick = printed("mitsuba-slope");
     assert!(thick.channels[0].1.parameters.values()[0] > 2.0 * 1.2);
     assert!(!thick.report.is_complete() || !thick.report.warnings.is_empty());
 }
@@ -176,16 +170,15 @@ fn give_back_to_wide_angle_alone(prefix: &str, least: usize) {
     let sets: Vec<_> = folders().into_iter().filter(|(name, _)| name.starts_with(prefix)).collect();
     assert!(sets.len() >= least);
     for (name, folder) in &sets {
-        let (scene, truth) = (folder.join("scene.toml"), truth(folder));
-        let wide = fit(&scene, Model::WideAngle, Filter::Auto);
-        let small = fit(&scene, Model::SmallAngle, Filter::Auto);
+        let truth = truth(folder);
+        let [wide, small] = [Model::WideAngle, Model::SmallAngle].map(|model| fit(name, model, Filter::Auto));
         assert!(
             wide.report.is_complete() && wide.report.warnings.is_empty(),
             "{name}: {:?}",
             wide.report.warnings
         );
         assert!(small.report.warnings.iter().any(|w| w.code == "outside_validity"), "{name}");
-        let (mine, theirs) = (errors(&wide, truth), errors(&small, truth));
+        let (mine, theirs) = (errors(wide, truth), errors(small, truth));
         let parameters = &wide.channels[0].1.parameters;
         let scale = [truth[0], truth[1], parameters.family().slope(truth[2]).abs()];
         let mut worst: f64 = 0.0;

@@ -1,18 +1,16 @@
 //! Fits by sums over the image against renders: the images that the sums are made of, and the answers.
 
-use crate::common::{pixels, sloping, texture, with_noise};
+use crate::common::{bundled, pixels, sloping, texture, with_noise};
 use narrowbeam::filter::basis::Basis;
 use narrowbeam::filter::cpu::CpuFilter;
 use narrowbeam::filter::{Filter, Optics, Target};
-use narrowbeam::fit::scenes::fit_scenes;
 use narrowbeam::fit::{ChannelFit, Datum, NoiseTerm, Settings, VeilTerm, fit_channel};
 use narrowbeam::geometry::{Field, Geometry};
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::Gaussian;
-use narrowbeam::scene::{FitOptions, Gain, Purpose, Scene};
+use narrowbeam::scene::{FitOptions, Gain};
 use narrowbeam::spread::Model;
-use std::path::Path;
 
 /// The render of a basis' target by its images, or for `part` 1 to 3 a derivative.
 fn by_basis(basis: &Basis, view: View, optics: &Optics, part: usize) -> Image {
@@ -226,9 +224,7 @@ fn another_medium_is_not_taken_for_the_answer() {
 #[test]
 fn the_report_names_the_path() {
     let path = |dataset: &str| {
-        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("datasets").join(dataset).join("scene.toml");
-        let scene = Scene::read(&file, Purpose::Fit).unwrap();
-        let fit = fit_scenes(&[scene], &Settings::default(), Filter::Auto).unwrap();
+        let fit = bundled::fit(dataset, Model::SmallAngle, Filter::Auto);
         let by_sums = fit.report.fit["sum_evaluations"].as_u64().unwrap();
         (fit.report.fit["path"].as_str().unwrap().to_string(), by_sums > 0)
     };

@@ -203,7 +203,7 @@ fn a_free_gain_at_one_depth_calls_for_another() {
     let views = Views::planes(halves(48), (0.05, &[1.0]), [2.0, 0.2, 10.0]);
     let mut data = views.data();
     data[0].gain = Gain::Free;
-    let (options, settings) = (views.options(false), traced(1 << 20));
+    let (options, settings) = (views.options(false), traced(1 << 18));
     let fit = fit_channel(&data, &options, &settings).unwrap();
     assert_eq!(
         [0, 1, 2].map(|i| fit.uncertainty.status(i)),

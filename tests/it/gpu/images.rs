@@ -115,7 +115,7 @@ fn images_equal_the_definition_at_every_kernel_width() {
     for width_px in [0.05, 1.0, 4.0] {
         let phase = width(width_px);
         let optics = Optics { model: Model::SmallAngle, medium, phase: &phase };
-        let scene = Scene::slope((32, 24), 32);
+        let scene = Scene::slope((32, 24), 8);
         let exact = direct_sum::render(&scene.target(), &optics).unwrap();
         row("direct sum, f64, 32x24 slope", width_px, against(&scene, &optics, &exact));
     }
