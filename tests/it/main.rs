@@ -24,6 +24,7 @@ mod phase;
 mod plots;
 mod recovery_datasets;
 mod recovery_own_model;
+mod report;
 mod scene;
 mod spread_kernels;
 mod stability;

@@ -3,6 +3,7 @@
 
 pub mod program;
 pub mod recovery;
+pub mod report;
 
 use narrowbeam::filter::Target;
 pub use narrowbeam::fit::noise::with_noise;
