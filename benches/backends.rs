@@ -128,7 +128,7 @@ impl Scene {
             }
             Prepared::Gpu(filter) => {
                 let observation = filter.observe(self.radiance.data.iter().map(|&v| (v, 1.0))).unwrap();
-                let evaluate = || filter.products(&optics, &observation, [1.0, 0.0], true).unwrap();
+                let evaluate = || filter.products(&optics, &observation, [1.0, 0.0], true, None).unwrap();
                 let evaluating = median(|| _ = evaluate());
                 let (one, four) = filter.traffic();
                 let speed = bandwidth.expect("a device has one");

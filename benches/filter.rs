@@ -37,7 +37,7 @@ const SLOPE: f64 = 0.27;
 const FARTHER: f32 = 2.0;
 const RIPPLE: f32 = 0.05;
 
-/// Slices of the comparison: over all depths by eq29; by composite, as many in all, shared out among the segments.
+/// Slices of the comparison: over all depths by eq29; by composite, as many in all, shared out among the slabs.
 const SLICES: usize = 8;
 
 struct Scene {
@@ -126,8 +126,8 @@ fn against_eq29(name: &str, geometry: &Geometry, optics: &Optics) -> String {
     let far = geometry.path_lengths().into_iter().fold(0.0, f64::max);
     let reach_px = optics.kernel(far).unwrap().support(1e-5) / geometry.pixel_pitch(far);
     let eq29 = CpuFilter::with_slices(eq29, SLICES, reach_px);
-    let composite = CpuFilter::with_slices(composite, SLICES / (relief.screens.len() + 1), reach_px);
-    assert_eq!(eq29.slice_count(), composite.slice_count(), "{name}: {} screens", relief.screens.len());
+    let composite = CpuFilter::with_slices(composite, SLICES / (relief.occluders.len() + 1), reach_px);
+    assert_eq!(eq29.slice_count(), composite.slice_count(), "{name}: {} occluders", relief.occluders.len());
 
     let render = in_turns([&eq29, &composite], |filter| {
         black_box(filter.render(optics).unwrap());
@@ -140,9 +140,9 @@ fn against_eq29(name: &str, geometry: &Geometry, optics: &Optics) -> String {
         format!("{what} {composite:.2} ms / {eq29:.2} ms = {ratio:.2}")
     };
     format!(
-        "{name}: {} slices, {} screen(s), composite / eq29: {}, {}",
+        "{name}: {} slices, {} occluder(s), composite / eq29: {}, {}",
         eq29.slice_count(),
-        relief.screens.len(),
+        relief.occluders.len(),
         ratio("render", render),
         ratio("with derivatives", gradient)
     )

@@ -1,8 +1,8 @@
 //! What a fit costs: one channel of a plane, start values and noise unknown, on an image made by the model with noise; by
-//! sums over the image, as it is done, and by renders alone.
+//! the Gram matrix, as it is done, and by renders alone.
 //!
 //! The floor by renders is the time of the FFTs alone, those of the renders that choose the start and those of the
-//! optimiser's evaluations. The floor by sums is that of the FFTs that confirm the optimum, and of the products of all
+//! optimiser's evaluations. The floor by the Gram matrix is that of the FFTs that confirm the optimum, and of the products of all
 //! images of the basis at the rate at which one product of two such blocks is summed. Reading files and writing results are not part of this.
 
 mod common;
@@ -15,12 +15,13 @@ use narrowbeam::filter::basis::Basis;
 use narrowbeam::filter::blur::dot;
 use narrowbeam::filter::cpu::CpuFilter;
 use narrowbeam::filter::{Optics, Target};
-use narrowbeam::fit::{ChannelFit, Datum, HEADROOM, Settings, VeilTerm, fit_channel};
+use narrowbeam::fit::{ChannelFit, HEADROOM, Observation, Parameters, Settings, fit_channel};
+use narrowbeam::forward::Quantity;
 use narrowbeam::geometry::Geometry;
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
-use narrowbeam::phase::{Gaussian, b_of_spread_angle};
-use narrowbeam::scene::{FitOptions, Gain};
+use narrowbeam::phase::b_of_spread_angle;
+use narrowbeam::scene::{FitOptions, ParameterOptions};
 use narrowbeam::spread::Model;
 use rayon::prelude::*;
 use std::hint::black_box;
@@ -37,8 +38,8 @@ const NOISE: f64 = 0.01;
 const START_PADDING: f64 = 0.5;
 
 fn observed(target: Target) -> Image {
-    let phase = Gaussian::new(b_of_spread_angle(SPREAD_ANGLE_DEG.to_radians())).unwrap();
-    let medium = Medium::new(SIGMA_S, SIGMA_A, phase.into()).unwrap();
+    let b = b_of_spread_angle(SPREAD_ANGLE_DEG.to_radians());
+    let medium = Medium::gaussian(SIGMA_S, SIGMA_A, b).unwrap();
     let optics = Optics { model: Model::SmallAngle, medium };
     let clean = CpuFilter::new(target, &optics, 1.0).unwrap().render(&optics).unwrap();
     scenes::with_noise(&clean, NOISE, 1)
@@ -59,28 +60,18 @@ fn fit(c: &mut Criterion) {
             relief: None,
         };
         let observed = observed(target);
-        let datum = Datum {
-            target,
-            observed: &observed,
-            mask: None,
-            hidden_share_max: 0.01,
-            gain_error: 0.0,
-            depth_error: 0.0,
-            noise: None,
-            gain: Gain::Fixed(1.0),
-            veil: VeilTerm::Fixed(0.0),
-        };
-        let by = |sums: bool| {
-            let settings = Settings { sums, ..Settings::default() };
-            move |options: &FitOptions| fit_channel(&[datum], options, &settings).unwrap()
+        let observation = Observation::plain(target, &observed);
+        let by = |gram: bool| {
+            let settings = Settings { gram, ..Settings::default() };
+            move |options: &FitOptions| fit_channel(&[observation], options, &settings, &|| ()).unwrap()
         };
         let mut group = c.benchmark_group("fit of a plane");
         group.sample_size(10).throughput(Throughput::Elements((n * n) as u64));
         let automatic = FitOptions::default();
-        group.bench_function(format!("{n} x {n} by sums"), |b| b.iter(|| by(true)(&automatic)));
+        group.bench_function(format!("{n} x {n} by the Gram matrix"), |b| b.iter(|| by(true)(&automatic)));
         group.bench_function(format!("{n} x {n} by renders"), |b| b.iter(|| by(false)(&automatic)));
         group.finish();
-        floors.push(sums_floor(target, by(true)));
+        floors.push(gram_floor(target, by(true)));
         floors.push(floor(target, by(false)));
     }
     floors.iter().for_each(|text| println!("{text}"));
@@ -89,13 +80,10 @@ fn fit(c: &mut Criterion) {
 /// Pixels whose products are summed together.
 const BLOCK: usize = 256;
 
-/// What a fit by sums must do at least, its parts, and the gap to the whole.
-fn sums_floor(target: Target, fit: impl Fn(&FitOptions) -> ChannelFit) -> String {
+/// What a fit by the Gram matrix must do at least, its parts, and the gap to the whole.
+fn gram_floor(target: Target, fit: impl Fn(&FitOptions) -> ChannelFit) -> String {
     let found = fit(&FitOptions::default());
-    let [sigma_s, sigma_a, b] = found.parameters.values();
-    let phase = Gaussian::new(b).unwrap();
-    let optics =
-        Optics { model: Model::SmallAngle, medium: Medium::new(sigma_s, sigma_a, phase.into()).unwrap() };
+    let optics = Optics { model: Model::SmallAngle, medium: found.parameters.medium().unwrap() };
     let basis = Basis::new(target).unwrap();
     let weights =
         best_of(5, || (0..100).for_each(|_| drop(black_box(basis.weights(&optics).unwrap())))) / 100.0;
@@ -125,11 +113,11 @@ fn sums_floor(target: Target, fit: impl Fn(&FitOptions) -> ChannelFit) -> String
     });
     let floor = products + ffts;
     format!(
-        "{side} x {side} by sums: {} images, {} evaluations by sums with weights in {:.3} ms each, {} renders\n  \
+        "{side} x {side} by the Gram matrix: {} images, {} evaluations by it with weights in {:.3} ms each, {} renders\n  \
          floor: products {:.1} ms, FFTs {:.1} ms, together {:.1} ms; the images themselves take {:.1} ms\n  \
          measured {:.1} ms, {:.1} x",
         basis.count(),
-        found.sum_evaluations,
+        found.gram_evaluations,
         1e3 * weights,
         found.evaluations,
         1e3 * products,
@@ -142,19 +130,30 @@ fn sums_floor(target: Target, fit: impl Fn(&FitOptions) -> ChannelFit) -> String
     )
 }
 
+/// Options of a fit that starts at these values.
+fn started_at(parameters: &Parameters) -> FitOptions {
+    let start = |quantity| ParameterOptions {
+        start: Some(parameters.value(quantity)),
+        ..ParameterOptions::default()
+    };
+    FitOptions {
+        sigma_s: start(Quantity::SigmaS),
+        sigma_a: start(Quantity::SigmaA),
+        phase: start(Quantity::Phase),
+        ..FitOptions::default()
+    }
+}
+
 /// The FFTs of a fit by renders, their time alone, and the gap to the whole.
 fn floor(target: Target, fit: impl Fn(&FitOptions) -> ChannelFit) -> String {
     let found = fit(&FitOptions::default());
     // From the same start the optimiser takes the same path, without the renders that choose it.
-    let started = fit(&FitOptions { start: found.start.map(Some), ..FitOptions::default() });
+    let started = fit(&started_at(&found.start));
     let starts = found.evaluations - started.evaluations;
 
     let side = target.radiance.width;
     let start_filter = CpuFilter::with_slices(target, 1, START_PADDING * side as f64);
-    let [sigma_s, sigma_a, b] = found.start;
-    let phase = Gaussian::new(b).unwrap();
-    let medium = Medium::new(sigma_s, sigma_a, phase.into()).unwrap();
-    let optics = Optics { model: Model::SmallAngle, medium };
+    let optics = Optics { model: Model::SmallAngle, medium: found.start.medium().unwrap() };
     let filter = CpuFilter::new(target, &optics, HEADROOM).unwrap();
     let (per_start, _, start_size) = start_filter.transforms();
     let (_, _, size) = filter.transforms();

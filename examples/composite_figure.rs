@@ -3,8 +3,8 @@
 //! `cargo run --release --example composite_figure -- datasets/mitsuba-planes docs/composite.png`
 
 use narrowbeam::filter::Filter;
-use narrowbeam::fit::scenes::{SceneFit, fit_scenes};
-use narrowbeam::fit::{NAMES, Settings};
+use narrowbeam::fit::{SceneFit, Settings, fit_scenes};
+use narrowbeam::forward::State;
 use narrowbeam::image::Channel;
 use narrowbeam::io::colour::{Tone, residual_scale};
 use narrowbeam::plots::{Figure, Panel, Shade};
@@ -18,8 +18,8 @@ fn main() -> anyhow::Result<()> {
     };
     let scenes = [ObservedScene::read(&folder.join("scene.toml"))?];
     let truth = read_truth(&folder.join("truth.toml"))?;
-    let eq29 = fit_scenes(&scenes, &Settings::default(), Filter::Eq29)?;
-    let composite = fit_scenes(&scenes, &Settings::default(), Filter::Composite)?;
+    let eq29 = fit_scenes(&scenes, &Settings::default(), Filter::Eq29, &|| ())?;
+    let composite = fit_scenes(&scenes, &Settings::default(), Filter::Composite, &|| ())?;
 
     let observation = &scenes[0].observation;
     let most = observation.hidden_share_max;
@@ -42,12 +42,13 @@ fn main() -> anyhow::Result<()> {
     ];
     let mut notes =
         vec![format!("reduced chi²: {:.2} by eq29, {:.2} by composite", chi2(&eq29), chi2(&composite))];
+    let hidden = composite.report.fit.hidden_pixels;
     if let Some(share) = &share {
         panels.push(panel("share of hidden light", share, Shade::from_zero(share)));
         notes.push(format!(
             "gray: the {} of {} pixels that the fit leaves out, as more than {} % of their light may be hidden",
-            count(&composite, "hidden_pixels"),
-            count(&composite, "hidden_pixels") + count(&composite, "pixels"),
+            hidden,
+            hidden + composite.report.fit.pixels,
             100.0 * most
         ));
     }
@@ -56,14 +57,15 @@ fn main() -> anyhow::Result<()> {
     // One medium in the file stands for all channels.
     let fits = eq29.channels.iter().zip(&composite.channels).zip(truth.iter().cycle());
     for (((channel, by_eq29), (_, by_composite)), truth) in fits {
-        let truth = truth.parameters();
-        for (i, name) in NAMES.iter().enumerate() {
+        for (_, parameter) in by_eq29.parameters.of_medium() {
+            let name = parameter.name();
+            let truth = State::from(*truth).value(parameter.descriptor().quantity);
             let channel = if eq29.channels.len() == 1 { String::new() } else { format!(".{channel}") };
-            let mut row = vec![format!("{name}{channel}"), format!("{:.5}", truth[i])];
+            let mut row = vec![format!("{name}{channel}"), format!("{truth:.5}")];
             for fit in [by_eq29, by_composite] {
-                let value = fit.parameters.values()[i];
+                let value = fit.parameters[name].value();
                 row.push(format!("{value:.5}"));
-                row.push(format!("{:+.1} %", 100.0 * (value / truth[i] - 1.0)));
+                row.push(format!("{:+.1} %", 100.0 * (value / truth - 1.0)));
             }
             table.push(row);
         }
@@ -87,9 +89,5 @@ fn without_hidden(mut residual: Vec<Channel>, share: &[Channel], most: f64) -> V
 }
 
 fn chi2(fit: &SceneFit) -> f64 {
-    fit.report.fit["reduced_chi2"].as_f64().unwrap_or(f64::NAN)
-}
-
-fn count(fit: &SceneFit, key: &str) -> u64 {
-    fit.report.fit[key].as_u64().unwrap_or(0)
+    fit.report.fit.reduced_chi2
 }

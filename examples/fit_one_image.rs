@@ -2,8 +2,7 @@
 //! `cargo run --release --example fit_one_image -- datasets/mitsuba-checker/scene.toml`
 
 use narrowbeam::filter::Filter;
-use narrowbeam::fit::scenes::fit_scenes;
-use narrowbeam::fit::{NAMES, Settings, Status};
+use narrowbeam::fit::{Settings, fit_scenes};
 use narrowbeam::scene::ObservedScene;
 use std::path::PathBuf;
 
@@ -12,22 +11,16 @@ fn main() -> anyhow::Result<()> {
         anyhow::bail!("usage: fit_one_image SCENE.toml");
     };
     let scene = ObservedScene::read(&path)?;
-    let fit = fit_scenes(&[scene], &Settings::default(), Filter::Auto)?;
+    let fit = fit_scenes(&[scene], &Settings::default(), Filter::Auto, &|| ())?.report;
 
-    for (channel, result) in &fit.channels {
-        let values = result.parameters.values();
-        for (i, name) in NAMES.iter().enumerate() {
-            // Errors of sigma_s and B are those of their logarithms.
-            let scale = if i == 1 { 1.0 } else { values[i] };
-            match (result.uncertainty.status(i), result.uncertainty.std_error(i)) {
-                (Status::Free, Some(error)) => {
-                    println!("{channel} {name:8} {:.6} ± {:.6}", values[i], scale * error);
-                }
-                (status, _) => println!("{channel} {name:8} {:.6} ({status:?})", values[i]),
-            }
+    for (name, estimate) in &fit.parameters {
+        let value = estimate.value.unwrap_or(f64::NAN);
+        match estimate.std_error {
+            Some(error) => println!("{name:8} {value:.6} ± {error:.6}"),
+            None => println!("{name:8} {value:.6} ({:?})", estimate.status),
         }
     }
-    for warning in &fit.report.warnings {
+    for warning in &fit.warnings {
         eprintln!("warning ({}): {}", warning.code, warning.message);
     }
     Ok(())

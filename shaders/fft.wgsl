@@ -1,5 +1,5 @@
 // Fourier transforms of lines of up to 1024 numbers in workgroup memory: Stockham's algorithm, which sorts as it goes.
-// Longer lines take two such passes with a twist between them (Bailey 1990).
+// Longer lines take two such passes with twiddle factors between them (Bailey 1990).
 
 struct Fft {
     // Length of a line, lines, and lines that a workgroup takes.
@@ -16,7 +16,7 @@ struct Fft {
     out_inner: u32,
     out_outer: u32,
     // 1 to multiply number k of line l by root[n + k (l % inner)] at the end.
-    twist: u32,
+    twiddle: u32,
     // 1 for exp(+i…).
     inverse: u32,
     scale: f32,
@@ -29,7 +29,7 @@ const CAPACITY: u32 = 1024u;
 const SIZE: u32 = 128u;
 
 @group(0) @binding(0) var<uniform> fft: Fft;
-// exp(-2 pi i j / n) for j < n, then the roots of the twist.
+// exp(-2 pi i j / n) for j < n, then the twiddle factors.
 @group(0) @binding(1) var<storage, read> root: array<vec2f>;
 @group(0) @binding(2) var<storage, read> input: array<vec2f>;
 @group(0) @binding(3) var<storage, read_write> output: array<vec2f>;
@@ -165,7 +165,7 @@ fn main(
         if place.x < lines {
             let l = begin + place.x;
             var value = line[half + place.x * fft.n + place.y];
-            if fft.twist == 1u {
+            if fft.twiddle == 1u {
                 value = multiply(value, root[fft.n + place.y * (l % fft.inner)]);
             }
             value = fft.scale * select(value, conjugate(value), fft.inverse == 1u);

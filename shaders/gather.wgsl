@@ -1,5 +1,5 @@
-// Light scattered on its way to a screen, or to the camera: the slices' spectra times their transfer functions, and what
-// is carried from farther screens, with the derivatives in sigma_s, sigma_a and B. See src/filter/transfer.rs for the
+// Light scattered on its way to an occluder, or to the camera: the slices' spectra times their transfer functions, and what
+// is carried from farther occluders, with the derivatives in sigma_s, sigma_a and B. See src/filter/transfer.rs for the
 // equations. A vec4f holds a factor and its three derivatives, a mat4x2f an amplitude and its three.
 
 struct Gather {
@@ -10,10 +10,10 @@ struct Gather {
     begin: u32,
     columns: u32,
     slices: u32,
-    // 1 if there is a slope term, light from farther screens, a screen to pass, derivatives to be had.
+    // 1 if there is a slope term, light from farther occluders, an occluder to pass, derivatives to be had.
     sloping: u32,
     carried: u32,
-    gated: u32,
+    occluded: u32,
     derivatives: u32,
     // The divisor's scale: where its table begins, and entries per rad/px.
     scale: u32,
@@ -26,14 +26,14 @@ struct Record {
     // Where the radial table begins, and its entries per rad/px; likewise that of the slope term.
     baseband: u32,
     per_w: f32,
-    bend: u32,
-    bend_per_w: f32,
+    slope_correction: u32,
+    slope_correction_per_w: f32,
     // Where the 8 by 8 aliases begin.
     aliases: u32,
     padding_1: u32,
     padding_2: u32,
     padding_3: u32,
-    // Share of the screen's direct light that is this slice's; direct light in units of the scale.
+    // Share of the occluder's direct light that is this slice's; direct light in units of the scale.
     direct: vec4f,
     unscattered: vec4f,
 }
@@ -43,7 +43,7 @@ const NODES: u32 = 8u;
 const TILE: u32 = 16u;
 
 @group(0) @binding(0) var<uniform> gather: Gather;
-// Of the slices, then of the light from farther screens, then of the divisor.
+// Of the slices, then of the light from farther occluders, then of the divisor.
 @group(0) @binding(1) var<storage, read> records: array<Record>;
 @group(0) @binding(2) var<storage, read> tables: array<vec4f>;
 // For each frequency across, then down: (w, sinc², -, -) and 8 basis values.
@@ -157,7 +157,7 @@ fn main(
     let w = length(vec2f(across.x, down.x));
     let weight = across.y * down.y;
     var scale = vec4f(1.0, 0.0, 0.0, 0.0);
-    if gather.gated == 1u {
+    if gather.occluded == 1u {
         scale = radial(gather.scale, gather.scale_per_w, w);
     }
 
@@ -172,7 +172,7 @@ fn main(
     var direct_0 = mat4x2f();
     var direct_1 = mat4x2f();
     let planes = gather.slices * (1u + gather.sloping);
-    let count = gather.slices + gather.carried + gather.gated;
+    let count = gather.slices + gather.carried + gather.occluded;
     for (var begin = 0u; begin < count; begin += TILE) {
         workgroupBarrier();
         for (var i = within; i < TILE * NODES; i += 64u) {
@@ -198,12 +198,12 @@ fn main(
                 sum_0 += lit(light.xy, scattered);
                 sum_1 += lit(light.zw, scattered);
                 if gather.sloping == 1u {
-                    let factor = weight * radial(record.bend, record.bend_per_w, w);
+                    let factor = weight * radial(record.slope_correction, record.slope_correction_per_w, w);
                     let source = first + gather.slices * gather.height;
                     sum_0 += lit(spectra[source + ky], factor);
                     sum_1 += lit(spectra[source + mirrored_y], factor);
                 }
-                if gather.gated == 1u {
+                if gather.occluded == 1u {
                     direct_0 += lit(light.xy, record.direct);
                     direct_1 += lit(light.zw, record.direct);
                 }

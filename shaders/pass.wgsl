@@ -1,12 +1,12 @@
-// Takes the light at a screen through it: the direct light of what lies behind is added, and what meets the screen is
+// Takes the light at an occluder through it: the direct light of what lies behind is added, and what meets the occluder is
 // lost.
 
 struct Pass {
     canvas: Canvas,
-    segment: u32,
-    // The screen's bit in `opaque`.
+    slab: u32,
+    // The occluder's bit in `opaque`.
     bit: u32,
-    // Path length along the camera's axis at the screen.
+    // Path length along the camera's axis at the occluder.
     z: f32,
     sigma_t: f32,
     // Unit of the derivatives in sigma_s and sigma_a.
@@ -19,7 +19,7 @@ struct Pass {
 
 @group(0) @binding(0) var<uniform> pass_by: Pass;
 @group(0) @binding(1) var<storage, read> sources: array<Source>;
-// For each object pixel a bit for each screen.
+// For each object pixel a bit for each occluder.
 @group(0) @binding(2) var<storage, read> opaque: array<u32>;
 // Image and first derivative, second and third.
 @group(0) @binding(3) var<storage, read_write> pair_0: array<vec2f>;
@@ -48,9 +48,9 @@ fn main(
             sum = vec4f(sum.xy, pair_1[at]);
         }
     }
-    for (var sheet = 0u; sheet < canvas.sheets && open; sheet++) {
-        let source = sources[sheet * canvas.object_width * canvas.object_height + u32(pixel)];
-        if source.segment == pass_by.segment {
+    for (var layer = 0u; layer < canvas.layers && open; layer++) {
+        let source = sources[layer * canvas.object_width * canvas.object_height + u32(pixel)];
+        if source.slab == pass_by.slab {
             let way = (source.z - pass_by.z) / source.cosine;
             sum += direct(source.light, pass_by.sigma_t, way, pass_by.unit);
         }

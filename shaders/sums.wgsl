@@ -1,5 +1,6 @@
-// Weighted sums over the pixels of the products of six images: the render, its derivatives in sigma_s, sigma_a and B,
-// the residual at a reference exposure, and 1. Each workgroup leaves the 21 products of its pixels, in two floats each.
+// Weighted sums over the pixels of the products of IMAGES images: the render, its derivatives in sigma_s, sigma_a and B,
+// and, if it moves, in the shift along x and y; the residual at a reference exposure, and 1. Each workgroup leaves the
+// products of its pixels, each pair once, in two floats each.
 
 struct Sums {
     pixels: u32,
@@ -14,7 +15,9 @@ struct Sums {
     padding_3: u32,
 }
 
-const PRODUCTS: u32 = 21u;
+// The render and its derivatives.
+const PLANES: u32 = IMAGES - 2u;
+const PRODUCTS: u32 = IMAGES * (IMAGES + 1u) / 2u;
 
 @group(0) @binding(0) var<uniform> sums: Sums;
 // Image and derivatives, one after the other.
@@ -31,19 +34,22 @@ fn main(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) within: u32,
 ) {
-    var mine: array<vec2f, 21>;
+    var mine: array<vec2f, PRODUCTS>;
     for (var at = group.x * 64u + within; at < sums.pixels; at += groups.x * 64u) {
         let here = observed[at];
         if here.y == 0.0 {
             continue;
         }
         let image = planes[at];
-        var all = array<f32, 6>(image, 0.0, 0.0, 0.0, sums.gain * image + sums.veil - here.x, 1.0);
-        for (var c = 1u; c < 4u && sums.derivatives == 1u; c++) {
+        var all = array<f32, IMAGES>();
+        all[0] = image;
+        all[PLANES] = sums.gain * image + sums.veil - here.x;
+        all[PLANES + 1u] = 1.0;
+        for (var c = 1u; c < PLANES && sums.derivatives == 1u; c++) {
             all[c] = planes[c * sums.pixels + at];
         }
         var product = 0u;
-        for (var i = 0u; i < 6u; i++) {
+        for (var i = 0u; i < IMAGES; i++) {
             for (var j = 0u; j <= i; j++) {
                 mine[product] = plus(mine[product], here.y * all[i] * all[j], sums.zero);
                 product++;

@@ -3,7 +3,7 @@
 
 struct Weigh {
     canvas: Canvas,
-    segment: u32,
+    slab: u32,
     // 1 where the coordinate along z is the number of the slice, 0 where it lies in [-1, 1].
     exact: u32,
     count_z: u32,
@@ -66,9 +66,9 @@ fn main(
     let place = position(canvas, at);
     let pixel = object_pixel(canvas, place);
     var sum = vec2f(0.0);
-    for (var sheet = 0u; sheet < canvas.sheets && pixel >= 0; sheet++) {
-        let source = sources[sheet * canvas.object_width * canvas.object_height + u32(pixel)];
-        if source.segment != weigh.segment || source.light == 0.0 {
+    for (var layer = 0u; layer < canvas.layers && pixel >= 0; layer++) {
+        let source = sources[layer * canvas.object_width * canvas.object_height + u32(pixel)];
+        if source.slab != weigh.slab || source.light == 0.0 {
             continue;
         }
         if weigh.sloping == 1u {

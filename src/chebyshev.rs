@@ -20,7 +20,7 @@ impl Chebyshev {
         Self { x: (0..n).map(node).collect() }
     }
 
-    /// Where `x` lies on [-1, 1], from the first node to the last; 0 if there is but one.
+    /// Where `x` lies on [-1, 1], from the first node to the last; 0 if there is only one.
     pub fn place(&self, x: f64) -> f64 {
         let (first, last) = (self.x[0], self.x[self.x.len() - 1]);
         if first == last { 0.0 } else { (2.0 * x - first - last) / (last - first) }

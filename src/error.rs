@@ -1,8 +1,8 @@
-//! Every way in which the library can refuse, each naming the culprit.
+//! Every error of the library, each naming its cause.
 
 use std::path::PathBuf;
 
-/// What went wrong, with the name, value, file or pixel that is to be mended.
+/// What went wrong, with the name, value, file or pixel that has to be corrected.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -37,7 +37,7 @@ pub enum Error {
     MissingChannel {
         /// The file.
         path: PathBuf,
-        /// The channel names that would have served.
+        /// The channel names that were looked for.
         wanted: String,
         /// The channel names present.
         found: String,
@@ -65,7 +65,7 @@ pub enum Error {
         path: PathBuf,
         /// Its size, `WxH`.
         found: String,
-        /// What would have fitted, in words.
+        /// The size expected, in words.
         expected: String,
     },
     /// A scene file that is not valid TOML, or has a missing, unknown or contradictory key.
@@ -88,22 +88,24 @@ pub enum Error {
         phase: String,
     },
     /// A model that cannot render a shifted observation was asked to.
-    #[error("model traced does not register a shifted observation; use a model with kernels, such as wide-angle")]
+    #[error(
+        "model traced does not register a shifted observation; use a model with kernels, such as wide-angle"
+    )]
     NotShifted,
     /// A model that has no kernel was asked for one.
     #[error("model traced has no kernel: its paths are traced scene by scene")]
     NoKernel,
-    /// A name that is none of those known.
+    /// An unknown name.
     #[error("unknown {what} {name}; known are {known}")]
     UnknownName {
         /// The kind of thing named.
         what: &'static str,
         /// The name given.
         name: String,
-        /// The names that would have served.
+        /// The valid names.
         known: String,
     },
-    /// A combination that the library does not have.
+    /// A combination that the library does not support.
     #[error("{0} is not built yet")]
     NotBuilt(String),
     /// Bytes that are no table of a kernel.
@@ -132,12 +134,12 @@ pub enum Error {
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {
-    /// True where a model has no kernel for a medium, or nothing to fit: another model may.
+    /// True where a model has no kernel for a medium, or nothing to fit: another model may work.
     pub(crate) fn is_about_model(&self) -> bool {
         matches!(self, Error::OutOfRange { .. } | Error::NothingToFit(_) | Error::NoSecondMoment { .. })
     }
 
-    /// The same about what is called so `within` something else: a section of a file, say.
+    /// The same error about a name `within` something else: a section of a file, say.
     pub(crate) fn about(self, within: &str) -> Self {
         match self {
             Error::OutOfRange { name, value, allowed } => {

@@ -1,4 +1,4 @@
-//! Linear images: row-major f32, one plane a channel, row 0 at the top. No colour management here.
+//! Linear images: row-major f32, one plane per channel, row 0 at the top. No colour management here.
 
 /// One channel of an image, row-major, row 0 at the top.
 #[derive(Debug, Clone, PartialEq)]
@@ -90,14 +90,14 @@ pub enum Border {
     /// No light: the scene is black there.
     #[default]
     Zero,
-    /// The outermost pixels go on outwards.
+    /// The outermost pixels are repeated outwards.
     Clamp,
     /// The image is mirrored at its outer edge, again and again.
     Mirror,
 }
 
 impl Border {
-    /// Index of the pixel that stands for position `i` (which may lie outside) in a row of `n`; `None` is black.
+    /// Index of the pixel that represents position `i` (which may lie outside) in a row of `n`; `None` is black.
     pub fn index(self, i: i64, n: usize) -> Option<usize> {
         let size = n as i64;
         match self {
@@ -112,7 +112,7 @@ impl Border {
     }
 
     /// Factor of a slope along the row at position `i` (which may lie outside) of `n`: a mirrored surface slopes the
-    /// other way, a clamped one goes on without slope.
+    /// other way, a clamped one continues without slope.
     pub fn turn(self, i: i64, n: usize) -> f64 {
         let inside = (0..n as i64).contains(&i);
         match self {

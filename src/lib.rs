@@ -28,9 +28,9 @@
 //! | sqrt(4B) | `spread_angle` | rms of a single deflection for small B | rad |
 //! | z | `path_length` | path in the medium along the line of sight: depth - surface | length |
 //! | tau | `tau` | scattering optical depth sigma_s z | 1 |
-//! | T | `transmittance` | share of the light that arrives unscattered | 1 |
-//! | psf(r) | `psf` | density of the scattered light; integrates to its share of all light, not to 1 | 1/area |
-//! | M(k) | `mtf` | transfer function, direct light included; M(0) is all that arrives | 1 |
+//! | T | `transmittance` | fraction of the light that arrives unscattered | 1 |
+//! | psf(r) | `psf` | density of the scattered light; integrates to the scattered fraction of all light, not to 1 | 1/area |
+//! | M(k) | `mtf` | transfer function, direct light included; M(0) is all light that arrives | 1 |
 //! | F | `mean_planar_transform` | mean of the planar phase function's transform over the path | 1 |
 //! | k | `k` | spatial frequency in the object plane | rad/length |
 //! | gain, veil | `gain`, `veil` | exposure; light scattered in from the illumination, in units of the observation | 1; any |
@@ -41,11 +41,11 @@
 //!
 //! ```
 //! use narrowbeam::filter::{Optics, Target, cpu::CpuFilter};
-//! use narrowbeam::fit::{Datum, Settings, VeilTerm, fit_channel};
+//! use narrowbeam::fit::{Observation, Settings, fit_channel};
 //! use narrowbeam::geometry::Geometry;
 //! use narrowbeam::image::{Border, Image, View};
 //! use narrowbeam::medium::Medium;
-//! use narrowbeam::scene::{FitOptions, Gain};
+//! use narrowbeam::scene::FitOptions;
 //! use narrowbeam::spread::Model;
 //!
 //! let object = Image::from_fn(32, 32, |x, y| if (x / 5 + y / 7) % 2 == 0 { 0.9 } else { 0.2 });
@@ -57,20 +57,17 @@
 //! let optics = Optics { model: Model::SmallAngle, medium: Medium::gaussian(0.9, 0.05, 0.004)? };
 //! let observed = CpuFilter::new(target, &optics, 1.0)?.render(&optics)?;
 //!
-//! // The medium back from the two images.
-//! let (gain, veil) = (Gain::Fixed(1.0), VeilTerm::Fixed(0.0));
-//! let datum = Datum {
-//!     target, observed: &observed, mask: None, hidden_share_max: 0.01, noise: None,
-//!     gain, gain_error: 0.0, depth_error: 0.0, veil,
-//! };
-//! let fit = fit_channel(&[datum], &FitOptions::default(), &Settings::default())?;
-//! let [sigma_s, sigma_a, b] = fit.parameters.values();
+//! // Estimate the medium from the two images.
+//! let seen = [Observation::plain(target, &observed)];
+//! let fit = fit_channel(&seen, &FitOptions::default(), &Settings::default(), &|| ())?;
 //! assert!(fit.converged);
-//! assert!((sigma_s - 0.9).abs() < 1e-3 && (sigma_a - 0.05).abs() < 1e-3 && (b - 0.004).abs() < 1e-5);
+//! assert!((fit.parameters["sigma_s"].value() - 0.9).abs() < 1e-3);
+//! assert!((fit.parameters["sigma_a"].value() - 0.05).abs() < 1e-3);
+//! assert!((fit.parameters["b"].value() - 0.004).abs() < 1e-5);
 //! # Ok::<(), narrowbeam::Error>(())
 //! ```
 //!
-//! Scene files are read by [`scene::Scene::read`] and fitted by [`fit::scenes::fit_scenes`].
+//! Scene files are read by [`scene::ObservedScene::read`] and fitted by [`fit::fit_scenes`].
 //!
 //! # Modules
 //!
@@ -78,14 +75,19 @@
 //! | --- | --- |
 //! | [`medium`], [`phase`] | coefficients; phase functions |
 //! | [`geometry`], [`image`](mod@image) | camera, distances, pixel pitch; linear images, views, borders |
-//! | [`spread`] | the kernels: `beer-lambert` to `small-angle` |
+//! | [`spread`] | the kernels: `beer-lambert` to `wide-angle` |
 //! | [`filter`] | from the clear object to the image through the medium, for any depth map |
 //! | [`illumination`], [`synthesis`] | light that falls into the medium and its veil; images with all their light |
+//! | [`relief`] | slopes and occluders of a depth map |
+//! | [`forward`] | from parameters to images and their inner products, with derivatives |
 //! | [`fit`] | estimates, their errors, the report |
-//! | [`gpu`] | graphics adapters; knows nothing of light |
-//! | [`trace`] | photon tracer: the independent witness, uses neither `spread` nor `filter` nor `fit` |
+//! | [`gpu`] | compute on graphics adapters; contains no optics |
+//! | [`trace`] | photon tracer: an independent check, uses neither `spread` nor `filter` nor `fit` |
 //! | [`scene`], [`io`] | scene files; EXR and PNG |
-//! | [`error`](mod@error) | every refusal, naming the culprit |
+//! | [`error`](mod@error) | every error, naming its cause |
+//!
+//! What a user needs is documented here. Enums that will grow are `non_exhaustive`. Items that only the tests reach, such as the
+//! reference implementations of the filter, are hidden from these pages and may change at any time.
 //!
 //! # Features
 //!
@@ -95,7 +97,7 @@
 //! | --- | --- |
 //! | `gpu` | [`gpu`]: renders and fits on a graphics adapter |
 //! | `plots` | `plots`: figures as PNG and SVG |
-//! | `lab` | `lab`: studies, the paper's experiments, the maker of tables |
+//! | `lab` | `lab`: studies, the paper's experiments, tables of kernels |
 //! | `cli` | `cli`, and the program `narrowbeam`, which needs all others |
 
 mod chebyshev;

@@ -4,6 +4,6 @@ fn main() -> std::process::ExitCode {
     narrowbeam::cli::main()
 }
 
-/// Images come and go; this allocator keeps their memory where the system's gives it back and has it cleared anew.
+/// Images are allocated and freed often. This allocator keeps their memory; the system's returns it and has it cleared again.
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;

@@ -23,7 +23,7 @@ use crate::image::{Border, Channel, Image, View};
 use crate::phase::Family;
 use std::path::PathBuf;
 
-/// What one scene file and the images it names say of object, camera and medium, and of a fit.
+/// The object, the camera, the medium and the options of a fit from one scene file and the images that it names.
 #[derive(Debug, Clone)]
 pub struct Scene {
     /// The scene file.
@@ -67,7 +67,7 @@ pub struct ObservedScene {
 pub struct LitScene {
     /// The scene.
     pub scene: Scene,
-    /// There if the object sends out no light of its own but reflects the illumination's.
+    /// Given if the object emits no light but reflects that of the illumination.
     pub shading: Option<Shading>,
     /// The light.
     pub illumination: Illumination,
@@ -75,8 +75,9 @@ pub struct LitScene {
 
 /// The light that falls into the medium.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum Illumination {
-    /// All that is known of it is its veil over the view, the object's channels.
+    /// Only its veil over the view is known, one image for each of the object's channels.
     Veil(Vec<Channel>),
     /// Parallel light.
     Parallel {
@@ -89,7 +90,7 @@ pub enum Illumination {
     },
 }
 
-/// The part of a medium that `[medium]` gives, each value in its range.
+/// The values of `[medium]`, each in its range.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct PartialMedium {
     /// Scattering coefficient, 1/length.
@@ -123,12 +124,13 @@ pub struct Observation {
     /// Largest hidden share of a pixel that counts: the share of its light that may come from behind nearer surfaces,
     /// from where no layer shows anything. Above 0, at most 1.
     pub hidden_share_max: f64,
-    /// Whether the image lies on the object's, or is to be registered.
+    /// Whether the image is aligned with the object's, or has to be registered.
     pub registration: Registration,
 }
 
 /// The noise of an observation.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum Noise {
     /// One standard deviation for all pixels, above 0.
     Level(f64),
@@ -138,6 +140,7 @@ pub enum Noise {
 
 /// Exposure: observed = gain · (light from the object) + veil.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Gain {
     /// Known, above 0.
     Fixed(f64),
@@ -147,31 +150,32 @@ pub enum Gain {
 
 /// Light added to the image, in units of the observation: observed = gain · object light + veil.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum Veil {
     /// One known number.
     Fixed(f64),
     /// A known image, the same channels as the observation's.
     Image(Vec<Channel>),
-    /// One number a channel, fitted.
+    /// One number per channel, fitted.
     Free,
 }
 
-/// Share of hidden light above which a pixel does not count, unless told otherwise: less is lost in the noise of ordinary
+/// Default share of hidden light above which a pixel does not count: a smaller share is lost in the noise of ordinary
 /// images.
 pub const HIDDEN_SHARE_MAX: f64 = 0.01;
 
-/// How an observed image comes to lie on the clear one.
+/// How an observed image is aligned with the clear one.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Registration {
-    /// It does already.
+    /// It is already aligned.
     #[default]
     None,
     /// It is shifted by fractions of a pixel or more, which the fit finds.
     Shift,
 }
 
-/// What the user asks of the fit of one channel.
+/// The user's options for the fit of one channel.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct FitOptions {
     /// Family of the phase function whose parameter, B or g, is fitted.
@@ -184,13 +188,13 @@ pub struct FitOptions {
     pub phase: ParameterOptions,
 }
 
-/// What the user asks of one parameter; `None` leaves it to the program. Where a value is fixed, its start and bounds do not
+/// The user's options for one parameter; `None` leaves the choice to the program. Where a value is fixed, its start and bounds do not
 /// matter. All are finite.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ParameterOptions {
     /// Starting value.
     pub start: Option<f64>,
-    /// A value that is held; it may be 0 of sigma_s too.
+    /// A value that is held fixed; for sigma_s it may also be 0.
     pub fixed: Option<f64>,
     /// Lower and upper bound, the lower below the upper and the start between them.
     pub bounds: Option<[f64; 2]>,

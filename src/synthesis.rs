@@ -1,7 +1,7 @@
 //! Image synthesis: direct and scattered light of the object, and the veil of the illumination.
 //!
-//! Shinya et al., section 6 and fig. 8. Object light goes through the [filter](crate::filter); the veil is an image given
-//! by the user or that of a plane-parallel medium ([`illumination`](crate::illumination)), which the paper takes as well
+//! Shinya et al., section 6 and fig. 8. The [filter](crate::filter) computes the object light. The veil is an image given
+//! by the user, or that of a plane-parallel medium ([`illumination`](crate::illumination)), which the paper assumes as well
 //! (its ref. 8).
 
 use crate::error::Result;
@@ -95,7 +95,7 @@ pub fn synthesize(
 }
 
 /// T(z) L of what each pixel of the view sees in clear air, `transmittance` being T: the object, or where that is empty
-/// the next layer, which only filters with a relief know of.
+/// the next layer, which only filters with a relief use.
 fn unscattered(target: &Target, transmittance: impl Fn(f64) -> f64) -> Image {
     let geometry = target.geometry;
     let layers = if target.relief.is_some() { geometry.behind.len() } else { 0 };
@@ -110,7 +110,7 @@ fn unscattered(target: &Target, transmittance: impl Fn(f64) -> f64) -> Image {
     })
 }
 
-/// The veil of every pixel of the view. Where there is no object the ray goes on to the bottom, where there is no
+/// The veil of every pixel of the view. Where there is no object the ray continues to the bottom. Where there is no
 /// surface of the medium there is no veil.
 fn veil(scene: &Scene, light: &PlaneParallel) -> Image {
     let geometry = &scene.geometry;

@@ -11,7 +11,7 @@ struct Canvas {
     // 0 zero, 1 clamp, 2 mirror.
     border: u32,
     // Sources for each object pixel: the object and its further layers.
-    sheets: u32,
+    layers: u32,
 }
 
 struct Source {
@@ -25,8 +25,8 @@ struct Source {
     // Of its surface, length per pixel.
     slope_x: f32,
     slope_y: f32,
-    // Screens that its light must pass; NOTHING if there is no source.
-    segment: u32,
+    // Occluders that its light must pass; NOTHING if there is no source.
+    slab: u32,
 }
 
 const NOTHING: u32 = 0xffffffffu;

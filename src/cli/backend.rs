@@ -6,7 +6,7 @@ use crate::gpu::{Gpu, adapters};
 use crate::scene::Scene;
 use clap::ValueEnum;
 
-/// What the user asks for.
+/// What the user wants.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum Wanted {
     Auto,
@@ -22,14 +22,14 @@ pub(super) struct Chosen {
     pub reason: String,
 }
 
-/// Time that the CPU takes for one evaluation with derivatives, seconds a pixel, at one depth and over a depth map;
+/// Time that the CPU takes for one evaluation with derivatives, seconds per pixel, at one depth and over a depth map;
 /// from `cargo bench --bench backends` on two cores.
 const PIXEL_SECONDS: [f64; 2] = [4e-8, 3e-7];
 /// Work for the CPU below which no device is opened: a few times what opening one and compiling the shaders takes.
 const WORTHWHILE_SECONDS: f64 = 2.0;
 
 impl Chosen {
-    /// The choice for so many `evaluations` of each channel of `scenes`, at one depth and over a depth map.
+    /// The choice for this number of `evaluations` of each channel of `scenes`, at one depth and over a depth map.
     ///
     /// # Errors
     /// [`Error::NoAdapter`] or [`Error::Gpu`] if a graphics adapter is wanted and there is none, or it cannot be opened.

@@ -1,4 +1,4 @@
-//! `narrowbeam calibrate`: whether the error bars hold the truth as often as they say.
+//! `narrowbeam calibrate`: whether the error bars contain the truth as often as they should.
 
 use super::progress::Progress;
 use super::{aligned, say};

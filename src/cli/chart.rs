@@ -36,7 +36,7 @@ pub(super) struct Arguments {
     quick: bool,
 }
 
-/// Planes and depth maps, narrow and wide: what is charted if nothing is named.
+/// Planes and depth maps, narrow and wide: the datasets by default.
 const DATASETS: [&str; 6] = [
     "datasets/mitsuba-checker",
     "datasets/mitsuba-natural",
@@ -45,7 +45,7 @@ const DATASETS: [&str; 6] = [
     "datasets/wide-30",
     "datasets/wide-30-thick",
 ];
-/// Where trajectories are looked for if no place is named.
+/// Where trajectories are looked for by default.
 const PEER: &str = "docs/peer";
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
@@ -79,7 +79,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The way of the peer on `set`; empty if there is none. A directory that is `named` must be there.
+/// The trajectory of the peer on `set`; empty if there is none. A directory that is `named` must exist.
 fn trajectory(named: Option<&Path>, set: &Dataset) -> crate::Result<Vec<Step>> {
     let dir = named.unwrap_or(Path::new(PEER));
     if named.is_some() && !dir.is_dir() {

@@ -1,4 +1,4 @@
-//! What the command line adds to errors: the options that they are about, and the exit code.
+//! What the command line adds to errors: the options concerned, and the exit code.
 
 use crate::error::Error;
 use std::process::ExitCode;
@@ -11,7 +11,7 @@ const USAGE: u8 = 2;
 #[error("{0}")]
 pub(super) struct Usage(pub String);
 
-/// Prints `error` with the options that it is about, and returns the exit code.
+/// Prints `error` with the options concerned, and returns the exit code.
 pub(super) fn report(error: &anyhow::Error) -> ExitCode {
     eprintln!("narrowbeam: {}", worded(error));
     match error.downcast_ref::<Error>() {

@@ -7,8 +7,8 @@ use super::options::{RenderOptions, TracingOptions, positive, provenance};
 use super::progress::Progress;
 use super::{UNDETERMINED, aligned, say};
 use crate::fit::{
-    ChannelFit, Draws, Method, SceneFit, Settings, Ways, add_advice, bootstrap, check_scenes, fit_scenes, profile,
-    select,
+    ChannelFit, Draws, Method, SceneFit, Settings, Ways, add_advice, bootstrap, check_scenes, fit_scenes,
+    profile, select,
 };
 use crate::io::colour::{Tone, residual_scale};
 use crate::io::{atomic, exr, png};
@@ -29,19 +29,19 @@ pub(super) struct Arguments {
     rendering: RenderOptions,
     #[command(flatten)]
     tracing: TracingOptions,
-    /// Relative error of a parameter up to which --model auto is content with a cheaper model
+    /// Relative error of a parameter up to which --model auto accepts a cheaper model
     #[arg(long, default_value_t = 0.01, value_name = "X", value_parser = positive)]
     tolerance: f64,
     /// Optimiser
     #[arg(long, value_enum, value_name = "NAME", default_value = "levenberg-marquardt")]
     solver: Method,
-    /// Iterations after which a fit is given up
+    /// Iterations after which a fit is abandoned
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..))]
     max_iterations: u64,
     /// Also find 95 % intervals by profile likelihood, for each free parameter
     #[arg(long)]
     profile: bool,
-    /// Also find 95 % intervals by so many refits of the best fit with fresh noise
+    /// Also find 95 % intervals by N refits of the best fit with new noise
     #[arg(long, value_name = "N", default_value_t = 0)]
     bootstrap: usize,
     /// Directory for fit.json, render.exr, residual.exr, hidden_share.exr (if something is hidden) and pictures
@@ -54,7 +54,7 @@ pub(super) struct Arguments {
 
 /// Renders that a typical fit takes.
 const TYPICAL_RENDERS: u64 = 40;
-/// Those that confirm what sums have found, where there is but one depth.
+/// Those that confirm a fit by Gram matrices, where there is only one depth.
 const CONFIRMING_RENDERS: u64 = 3;
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
@@ -82,11 +82,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     Ok(if fit.report.is_complete() { ExitCode::SUCCESS } else { ExitCode::from(UNDETERMINED) })
 }
 
-/// Refuses intervals that would not hold the noise of traced paths.
+/// Refuses intervals that would not include the noise of traced paths.
 fn check_intervals(arguments: &Arguments) -> Result<(), Usage> {
     let wanted = arguments.profile || arguments.bootstrap > 0;
     if wanted && arguments.rendering.model == WantedModel::This(Model::Traced) {
-        let why = "--profile and --bootstrap do not hold the noise of the paths of --model traced; its model_error does";
+        let why = "--profile and --bootstrap do not include the noise of the paths of --model traced; its model_error does";
         return Err(Usage(why.into()));
     }
     Ok(())
@@ -95,7 +95,7 @@ fn check_intervals(arguments: &Arguments) -> Result<(), Usage> {
 fn settings_of<'a>(arguments: &Arguments, chosen: &'a Chosen) -> Settings<'a> {
     let model = match arguments.rendering.model {
         WantedModel::This(model) => model,
-        // What any input must at least be good for.
+        // The least that any input needs.
         WantedModel::Auto => Model::SmallAngle,
     };
     Settings {
@@ -122,7 +122,7 @@ fn estimate(arguments: &Arguments, scenes: &[ObservedScene], chosen: &Chosen) ->
     }
 }
 
-/// The intervals that `--profile` and `--bootstrap` ask for.
+/// The intervals for `--profile` and `--bootstrap`.
 fn add_intervals(
     arguments: &Arguments,
     scenes: &[ObservedScene],
@@ -148,7 +148,7 @@ fn add_intervals(
     Ok(())
 }
 
-/// What would free what is undetermined, if something is.
+/// The measurements that would determine what is undetermined, if something is.
 fn advise(
     arguments: &Arguments,
     scenes: &[ObservedScene],
@@ -166,7 +166,7 @@ fn print(arguments: &Arguments, fit: &SceneFit, chosen: &Chosen) -> Result<()> {
     let mut text = aligned(&report.table("1/length"));
     report.remarks().iter().for_each(|line| text += &format!("{line}\n"));
     text += &format!("{}\n", how_it_went(arguments, fit, chosen));
-    report.ladder.iter().for_each(|candidate| text += &format!("{}\n", candidate.line()));
+    report.candidates.iter().for_each(|candidate| text += &format!("{}\n", candidate.line()));
     if arguments.json {
         eprint!("{text}");
         say(&format!("{}\n", serde_json::to_string_pretty(report)?))?;

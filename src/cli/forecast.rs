@@ -1,4 +1,4 @@
-//! `narrowbeam forecast`: the errors that a planned measurement will have.
+//! `narrowbeam forecast`: the predicted errors of a planned measurement.
 
 use super::backend::Chosen;
 use super::options::{MediumOptions, RenderOptions, positive};
@@ -13,7 +13,7 @@ use std::process::ExitCode;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
-    /// Scene files with the medium that is expected; several share that of the first
+    /// Scene files with the expected medium; several share that of the first
     #[arg(required = true, value_name = "SCENE.toml")]
     scenes: Vec<PathBuf>,
     #[command(flatten)]
@@ -39,7 +39,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let media = scenes[0].media(arguments.medium.values())?;
     let chosen = Chosen::new(arguments.rendering.backend, &scenes, [1, 2])?;
     let geometries: Vec<_> = scenes.iter().map(|scene| &scene.geometry).collect();
-    let progress = Progress::uncounted("forecasting");
+    let progress = Progress::uncounted("predicting errors");
     let settings = Settings {
         model: arguments.rendering.model.for_media(&media, path_lengths(&geometries)),
         backend: chosen.backend(),

@@ -41,12 +41,12 @@ pub(super) struct Arguments {
     /// Seed of the random numbers
     #[arg(long, value_name = "S", default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
-    /// Directory to write kernel.csv, mtf.csv and their pictures to; made if need be
+    /// Directory to write kernel.csv, mtf.csv and their pictures to; made if necessary
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
 }
 
-/// The phase function, one way or the other.
+/// The phase function, by exactly one of its parameters.
 #[derive(Debug, clap::Args)]
 #[group(required = true, multiple = false)]
 struct Width {
@@ -62,7 +62,7 @@ struct Width {
 }
 
 impl Width {
-    /// The phase function; the command line demands exactly one of the three.
+    /// The phase function; clap ensures that exactly one of the three is given.
     fn phase(&self) -> anyhow::Result<Phase> {
         let degrees = || self.spread_angle_deg.unwrap_or_default();
         let b = || self.b.unwrap_or_else(|| b_of_spread_angle(degrees().to_radians()));

@@ -1,4 +1,4 @@
-//! The command line: one file a command.
+//! The command line: one file per command.
 
 mod backend;
 mod calibrate;
@@ -9,7 +9,7 @@ mod forecast;
 mod kernel;
 mod names;
 mod options;
-pub mod progress;
+mod progress;
 mod render;
 mod reproduce;
 mod stability;
@@ -36,7 +36,7 @@ struct Arguments {
 enum Command {
     /// Estimate sigma_s, sigma_a and B from one or more observed scenes that share a medium
     Fit(fit::Arguments),
-    /// Tell the errors and correlations that a planned measurement will have
+    /// Predict the errors and correlations of a planned measurement
     Forecast(forecast::Arguments),
     /// Render a scene through its medium with a spread model
     Render(render::Arguments),
@@ -46,11 +46,11 @@ enum Command {
     Trace(trace::Arguments),
     /// Tabulate and draw the spread kernels of a medium, beside traced ones if wanted
     Kernel(kernel::Arguments),
-    /// Make the paper's experiments again: its figures as PNG and SVG, with their numbers as CSV
+    /// Reproduce the paper's experiments: its figures as PNG and SVG, with their numbers as CSV
     Reproduce(reproduce::Arguments),
-    /// Fit noisy images of known media again and again: do the error bars hold the truth as often as they say?
+    /// Fit noisy images of known media many times: do the error bars contain the truth as often as they should?
     Calibrate(calibrate::Arguments),
-    /// Map where each method fails, and whether it says so
+    /// Map where each method fails, and whether it reports that
     Stability(stability::Arguments),
     /// Chart speed against accuracy: renders and fits of scenes whose medium is known, by every model and backend
     Chart(chart::Arguments),
@@ -70,7 +70,7 @@ fn aligned(rows: &[Vec<String>]) -> String {
     rows.iter().map(line).collect()
 }
 
-/// Writes `text` to stdout. A reader that has gone away is not an error.
+/// Writes `text` to stdout. A closed pipe is not an error.
 fn say(text: &str) -> crate::Result<()> {
     match std::io::stdout().write_all(text.as_bytes()) {
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),

@@ -35,7 +35,7 @@ pub(super) struct MediumOptions {
 }
 
 impl MediumOptions {
-    /// What is given.
+    /// The values given.
     pub(super) fn values(&self) -> PartialMedium {
         let b = self.b.or(self.spread_angle_deg.map(|d| b_of_spread_angle(d.to_radians())));
         let family = if self.g.is_some() { Family::HenyeyGreenstein } else { Family::Gaussian };
@@ -46,19 +46,19 @@ impl MediumOptions {
 /// How a scene is rendered.
 #[derive(Debug, Args)]
 pub(super) struct RenderOptions {
-    /// Spread model; auto: no more than the scene needs; traced (fit and render): paths traced for the scene, slow, right in
-    /// every medium
+    /// Spread model; auto: the cheapest that the scene allows; traced (fit and render): paths traced for the scene, slow,
+    /// valid in every medium
     #[arg(long, value_enum, default_value = "auto", value_name = "NAME")]
     pub model: WantedModel,
     /// Filter for depth maps; auto: composite where the depth map has edges or slopes
     #[arg(long, value_enum, default_value = "auto", value_name = "NAME")]
     pub filter: Filter,
-    /// Where to compute; gpu: a graphics adapter, even if it is a software one; auto: a real one if it pays off
+    /// Where to compute; gpu: a graphics adapter, even if it is a software one; auto: a hardware one if it is worth it
     #[arg(long, value_enum, default_value = "auto", value_name = "NAME")]
     pub backend: Wanted,
 }
 
-/// What the model `traced` traces.
+/// The paths of the model `traced`.
 #[derive(Debug, Args)]
 pub(super) struct TracingOptions {
     /// Paths that --model traced traces for each scene and channel [default: 1048576 for a plane seen by parallel rays, else
@@ -82,7 +82,7 @@ impl TracingOptions {
         let refuse = |why: &str| Err(Usage(why.into()));
         if traced && rendering.filter == Filter::Eq29 {
             return refuse(
-                "--model traced sees the edges and slopes of the object; --filter eq29 knows none",
+                "--model traced includes the edges and slopes of the object; --filter eq29 ignores them",
             );
         }
         if !traced && self.paths.is_some() {
@@ -108,8 +108,8 @@ fn number(text: &str, ok: impl Fn(f64) -> bool, allowed: &str) -> Result<f64, St
 }
 
 impl WantedModel {
-    /// The model to render `media` with over path lengths of median and longest `z`: of itself `small-angle`, or
-    /// `wide-angle` where that leaves its range and the other has kernels.
+    /// The model to render `media` with over path lengths of median and longest `z`: by default `small-angle`, or
+    /// `wide-angle` where `small-angle` is outside its range and `wide-angle` has kernels.
     pub(super) fn for_media(self, media: &[Medium], z: PathLengths) -> Model {
         if let WantedModel::This(model) = self {
             return model;
@@ -126,8 +126,8 @@ impl WantedModel {
     }
 }
 
-/// tau times the [mean-square scattering angle](Family::mean_square_angle) over the path length `z`: how far from small
-/// angles the light of a medium is.
+/// tau times the [mean-square scattering angle](Family::mean_square_angle) over the path length `z`: how much the
+/// light of a medium departs from small angles.
 pub(super) fn validity(medium: &Medium, z: f64) -> f64 {
     medium.tau(z) * medium.phase().family().mean_square_angle(medium.phase().parameter())
 }
@@ -146,7 +146,7 @@ pub(super) fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
-/// The media of the channels, for the files that a command writes; one value a channel.
+/// The media of the channels, for the files that a command writes; one value per channel.
 pub(super) fn record_of(media: &[Medium]) -> Vec<(String, String)> {
     let each =
         |value: fn(&Medium) -> f64| media.iter().map(|m| value(m).to_string()).collect::<Vec<_>>().join(" ");

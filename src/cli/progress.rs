@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 /// Work shorter than this shows no bar.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Redraws a second.
+/// Redraws per second.
 const REFRESH_HZ: u8 = 8;
 
 /// Counts finished units of work and shows them once a second has passed.
@@ -28,7 +28,7 @@ impl Progress {
     pub fn new(task: &str, unit: &str, total: u64) -> Self {
         let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::hidden());
         let template = format!("{task} {{wide_bar}} {{percent}} % of {{human_len}} {unit}, {{eta}} left");
-        // The template is fixed but for the two words; braces in them would at worst show the plain style.
+        // The template is fixed except for the two words; braces in them would at worst show the plain style.
         let style = ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar());
         bar.set_style(style);
         let wanted = std::io::stderr().is_terminal();
@@ -63,11 +63,6 @@ impl Progress {
         }
         self.bar.inc(units);
     }
-
-    /// Units finished so far.
-    pub fn done(&self) -> u64 {
-        self.bar.position()
-    }
 }
 
 impl Drop for Progress {
@@ -88,6 +83,6 @@ mod tests {
                 scope.spawn(|| (0..100).for_each(|_| progress.add(1)));
             }
         });
-        assert_eq!(progress.done(), 400);
+        assert_eq!(progress.bar.position(), 400);
     }
 }

@@ -93,7 +93,7 @@ fn check_outputs(arguments: &Arguments) -> Result<()> {
         let refuse = |why| Err(Usage(format!("--hidden-share {}: {why}", path.display())));
         if arguments.rendering.filter == Filter::Eq29 {
             refuse(
-                "--filter eq29 lets light pass through near surfaces, so it knows of nothing hidden; use composite or auto",
+                "--filter eq29 lets light pass through near surfaces, so no light is hidden; use composite or auto",
             )?;
         }
         if *path == arguments.output {

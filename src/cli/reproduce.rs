@@ -1,4 +1,4 @@
-//! `narrowbeam reproduce`: the paper's experiments again, as pictures and tables.
+//! `narrowbeam reproduce`: the paper's experiments, as pictures and tables.
 
 mod errors;
 mod figure_4;
@@ -21,7 +21,7 @@ pub(super) struct Arguments {
     /// The figure to make
     #[arg(value_enum, default_value = "all")]
     figure: Figure,
-    /// Directory to write the figures to, as PNG and SVG, and their numbers as CSV; made if need be
+    /// Directory to write the figures to, as PNG and SVG, and their numbers as CSV; made if necessary
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Trace a fiftieth of the photons, coarser maps and pictures: a check in seconds
@@ -44,10 +44,10 @@ enum Figure {
     All,
 }
 
-/// How a figure comes about.
+/// How a figure is made.
 struct Recipe {
     files: &'static [&'static str],
-    /// Writes the files into a directory and returns what is to be said.
+    /// Writes the files into a directory and returns the text to print.
     make: fn(&Path, Effort) -> Result<String>,
 }
 
@@ -77,7 +77,7 @@ impl Figure {
     }
 }
 
-/// A figure of traced experiments: runs them and writes what comes of them.
+/// A figure of traced experiments: runs them and writes the results.
 fn traced(
     files: &[&str],
     experiments: &[Experiment],

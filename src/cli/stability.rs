@@ -1,4 +1,4 @@
-//! `narrowbeam stability`: where each method fails, and whether it says so.
+//! `narrowbeam stability`: where each method fails, and whether it reports that.
 
 mod pictures;
 
@@ -7,8 +7,9 @@ use super::{aligned, say};
 use crate::fit::WarningCode;
 use crate::forward::Quantity;
 use crate::io::atomic;
-use crate::lab::study::stability::Verdict;
-use crate::lab::study::sweeps::{Extent, SWEEP_TRACES, grid, sweeps};
+use crate::lab::study::grid::{Extent, grid};
+use crate::lab::study::stability::OutcomeKind;
+use crate::lab::study::sweeps::{SWEEP_TRACES, sweeps};
 use crate::lab::study::trial::{Tally, Trial};
 use crate::phase::PhaseFunction;
 use anyhow::Result;
@@ -44,10 +45,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     drop(progress);
     atomic::write(&file, csv(&trials).as_bytes())?;
     pictures::write(&arguments.out, &trials, &extent)?;
-    let Tally { fits, silent, right, wolves } = Tally::of(&trials);
+    let Tally { fits, silent, right, false_alarms } = Tally::of(&trials);
     say(&format!(
-        "{}{silent} of {fits} fits failed silently; {wolves} of {right} that are right, inside their model's validity and in \
-         a world that is what the scene says, carry a warning\n",
+        "{}{silent} of {fits} fits failed silently; {false_alarms} of {right} that are right, inside their model's range and with \
+         a scene file that is right, carry a warning\n",
         aligned(&summary(&trials))
     ))?;
     Ok(ExitCode::SUCCESS)
@@ -72,7 +73,7 @@ fn csv(trials: &[Trial]) -> String {
             (4.0 * t.setting.medium.phase().parameter()).sqrt().to_degrees(),
             quote(&t.method.name()),
             o.model,
-            quote(o.verdict().name()),
+            quote(o.kind().name()),
             names(&o.warnings),
             quote(o.refused.as_deref().unwrap_or("")),
             o.seconds
@@ -97,7 +98,7 @@ fn names(codes: &[WarningCode]) -> String {
     codes.iter().map(|code| code.name()).collect::<Vec<_>>().join(" ")
 }
 
-/// How often each method ended in which way, on the grid and on each sweep.
+/// How often each method had each kind of outcome, on the grid and on each sweep.
 fn summary(trials: &[Trial]) -> Vec<Vec<String>> {
     let mut keys: Vec<(&str, String)> = Vec::new();
     for t in trials {
@@ -106,20 +107,20 @@ fn summary(trials: &[Trial]) -> Vec<Vec<String>> {
             keys.push(key);
         }
     }
-    const ALL: [Verdict; 6] = [
-        Verdict::Right,
-        Verdict::Wolf,
-        Verdict::Undetermined,
-        Verdict::Warned,
-        Verdict::Refused,
-        Verdict::Silent,
+    const ALL: [OutcomeKind; 6] = [
+        OutcomeKind::Right,
+        OutcomeKind::FalseAlarm,
+        OutcomeKind::Undetermined,
+        OutcomeKind::Warned,
+        OutcomeKind::Refused,
+        OutcomeKind::Silent,
     ];
-    let head = ["sweep", "method", "fits", "intervals that hold the truth"];
-    let head = head.into_iter().chain(ALL.map(Verdict::name)).map(String::from);
+    let head = ["sweep", "method", "fits", "intervals that contain the truth"];
+    let head = head.into_iter().chain(ALL.map(OutcomeKind::name)).map(String::from);
     let row = |(sweep, method): &(&str, String)| {
         let here: Vec<&Trial> =
             trials.iter().filter(|t| t.place.sweep == *sweep && t.method.name() == *method).collect();
-        let count = |v: Verdict| here.iter().filter(|t| t.outcome.verdict() == v).count().to_string();
+        let count = |kind: OutcomeKind| here.iter().filter(|t| t.outcome.kind() == kind).count().to_string();
         let held: Vec<bool> = here.iter().flat_map(|t| &t.outcome.found).map(|f| f.held).collect();
         let held = format!("{} of {}", held.iter().filter(|h| **h).count(), held.len());
         let start = [sweep.to_string(), method.clone(), here.len().to_string(), held];

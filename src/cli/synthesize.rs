@@ -1,4 +1,4 @@
-//! `narrowbeam synthesize`: all the light of a scene, the illumination's included.
+//! `narrowbeam synthesize`: all the light of a scene, including that of the illumination.
 
 use super::backend::Chosen;
 use super::errors::Usage;
@@ -33,7 +33,7 @@ pub(super) struct Arguments {
     /// Image to write: direct + scattered object light + veil, an EXR of the object's channels or a PNG picture
     #[arg(long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(exr_or_png))]
     output: PathBuf,
-    /// Also write the parts of it as channels of an EXR: clear.R (object in clear air), direct.R, scattered.R, veil.R, ...
+    /// Also write its parts as channels of an EXR: clear.R (object in clear air), direct.R, scattered.R, veil.R, ...
     #[arg(long, value_name = "FILE.exr")]
     parts: Option<PathBuf>,
 }

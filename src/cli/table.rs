@@ -1,6 +1,6 @@
 //! `narrowbeam table`: makes a table of the model `wide-angle` from scratch.
 //!
-//! Nodes are independent, each with its own seed, and are written as they are done; a run that was killed goes on
+//! Nodes are independent, each with its own seed, and are written as they are done; a run that was killed continues
 //! from the last one.
 
 use super::options::provenance;

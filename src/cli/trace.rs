@@ -66,13 +66,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The seed of channel `i`. The odd constant is 2^64 divided by the golden ratio: whoever counts seeds 1, 2, 3 … does
-/// not meet another channel's.
+/// The seed of channel `i`. The odd constant is 2^64 divided by the golden ratio: seeds counted 1, 2, 3 … do not
+/// coincide with those of another channel.
 fn channel_seed(seed: u64, i: usize) -> u64 {
     seed.wrapping_add((i as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15))
 }
 
-/// How the image was made; one value a channel.
+/// How the image was made; one value per channel.
 fn record(arguments: &Arguments, media: &[Medium]) -> Vec<(String, String)> {
     let mut pairs = provenance();
     pairs.push(("seed".into(), arguments.seed.to_string()));

@@ -4,7 +4,7 @@ use super::cpu::{CpuFilter, Rendering};
 #[cfg(feature = "gpu")]
 use super::gpu::GpuFilter;
 use super::plan::{Coverage, Plan};
-use super::sources::Sheet;
+use super::sources::Layer;
 use super::{Optics, Target};
 use crate::error::Result;
 #[cfg(feature = "gpu")]
@@ -63,7 +63,23 @@ impl<'a> Backend<'a> {
         self.of(Plan::new(target, optics, headroom)?)
     }
 
-    /// Prepares `target` with at most `count` slices along z between any two screens and padding for kernels that reach
+    /// The same with padding for shifts of up to `shift_px` beside that for the kernels, so that nothing that a shift
+    /// moves past one end of the padded image enters the view from the other.
+    ///
+    /// # Errors
+    /// As [`prepare`](Self::prepare).
+    pub fn prepare_for_shifts(
+        self,
+        target: Target<'a>,
+        optics: &Optics,
+        headroom: f64,
+        shift_px: f64,
+    ) -> Result<Prepared<'a>> {
+        let (plan, layers) = Plan::new(target, optics, headroom)?;
+        self.of((plan.padded_by(shift_px), layers))
+    }
+
+    /// Prepares `target` with at most `count` slices along z between any two occluders and padding for kernels that reach
     /// `reach_px` pixels.
     ///
     /// # Errors
@@ -72,7 +88,7 @@ impl<'a> Backend<'a> {
         self.of(Plan::with_slices(target, count, reach_px))
     }
 
-    /// Prepares radiance 1 on all that is supposed, but not known, to lie behind the screens of `relief`.
+    /// Prepares radiance 1 on the surfaces inpainted behind the occluders of `relief`.
     pub(super) fn prepare_hidden(
         self,
         target: Target<'a>,
@@ -82,7 +98,7 @@ impl<'a> Backend<'a> {
         self.of(Plan::of_hidden(target, relief, optics)?)
     }
 
-    fn of(self, plan: (Plan<'a>, Vec<Sheet>)) -> Result<Prepared<'a>> {
+    fn of(self, plan: (Plan<'a>, Vec<Layer>)) -> Result<Prepared<'a>> {
         Ok(match self {
             Backend::Cpu => Prepared::Cpu(Box::new(CpuFilter::of(plan))),
             #[cfg(feature = "gpu")]
@@ -126,16 +142,6 @@ impl Prepared<'_> {
         }
     }
 
-    /// Stub.
-    pub fn render_shifted(&self, optics: &Optics, _s: [f64; 2]) -> Result<Image> {
-        self.render(optics)
-    }
-
-    /// Stub.
-    pub fn render_shifted_with_gradient(&self, optics: &Optics, _s: [f64; 2]) -> Result<Rendering> {
-        self.render_with_gradient(optics)
-    }
-
     /// The image and its derivatives, over the target's view.
     ///
     /// # Errors
@@ -145,6 +151,30 @@ impl Prepared<'_> {
             Prepared::Cpu(filter) => filter.render_with_gradient(optics),
             #[cfg(feature = "gpu")]
             Prepared::Gpu(filter) => filter.render_with_gradient(optics),
+        }
+    }
+
+    /// The image moved by `shift_px` to the right and down, over the target's view: what [`render`](Self::render) has at
+    /// x is at x + `shift_px`.
+    ///
+    /// # Errors
+    /// As [`render`](Self::render), and [`Error::OutOfRange`](crate::Error::OutOfRange) for a shift that is not finite or
+    /// is larger than the padded image.
+    pub fn render_shifted(&self, optics: &Optics, shift_px: [f64; 2]) -> Result<Image> {
+        match self {
+            Prepared::Cpu(filter) => filter.render_shifted(optics, shift_px),
+            Prepared::Gpu(filter) => filter.render_shifted(optics, shift_px),
+        }
+    }
+
+    /// The moved image and its derivatives, also those in the shift, over the target's view.
+    ///
+    /// # Errors
+    /// As [`render_shifted`](Self::render_shifted).
+    pub fn render_shifted_with_gradient(&self, optics: &Optics, shift_px: [f64; 2]) -> Result<Rendering> {
+        match self {
+            Prepared::Cpu(filter) => filter.render_shifted_with_gradient(optics, shift_px),
+            Prepared::Gpu(filter) => filter.render_shifted_with_gradient(optics, shift_px),
         }
     }
 }

@@ -1,11 +1,11 @@
 //! The images of which every render of a target is a linear combination: I = sum_c a_c(sigma_s, sigma_a, B) E_c.
 //!
-//! What the object shows at each depth, blurred by each width of the [`ladder`](super::ladder). The first width is 0: its
+//! What the object shows at each depth, blurred by each width of the [`mixture`](super::mixture). The first width is 0: its
 //! image carries the depth's direct light too. So it is as long as parallel rays see a scene in which every pixel's light
 //! spreads freely.
 
 use super::blur::{Blur, Lane, STRIP};
-use super::ladder::Ladder;
+use super::mixture::GaussianMixture;
 use super::slices::{Node, Slices};
 use super::{Optics, Target};
 use crate::error::Result;
@@ -29,13 +29,13 @@ const BLOCK: usize = 256;
 pub struct Basis<'a> {
     target: Target<'a>,
     slices: Slices,
-    ladder: Ladder,
+    mixture: GaussianMixture,
     /// The object's pixels at each depth, row-major.
     planes: Vec<Vec<f32>>,
 }
 
 impl<'a> Basis<'a> {
-    /// The images of `target`; `None` if screens, slopes or rays off the axis make its renders another sum than this, or
+    /// The images of `target`; `None` if occluders, slopes or rays off the axis make its renders another sum than this, or
     /// many depths a long one.
     pub fn new(target: Target<'a>) -> Option<Self> {
         let parallel = matches!(target.geometry.camera, Camera::Orthographic { .. });
@@ -60,12 +60,12 @@ impl<'a> Basis<'a> {
             planes.iter_mut().zip(&latest.1).for_each(|(plane, weight)| plane[i] = *weight as f32 * light);
         }
         let side = target.radiance.width.max(target.radiance.height);
-        Some(Self { target, slices, ladder: Ladder::new(WIDEST * side as f64), planes })
+        Some(Self { target, slices, mixture: GaussianMixture::new(WIDEST * side as f64), planes })
     }
 
     /// Number of images.
     pub fn count(&self) -> usize {
-        self.planes.len() * self.ladder.widths().len()
+        self.planes.len() * self.mixture.widths().len()
     }
 
     /// The weight a_c of every image in a render.
@@ -83,7 +83,7 @@ impl<'a> Basis<'a> {
 
     /// The weights of the images of one depth, for its direct light and the transfer function of its scattered light.
     pub fn weights_at(&self, node: &Node, direct: Dual, transfer: &dyn Fn(f64) -> Dual) -> Vec<Dual> {
-        let mut weights = self.ladder.weights(transfer, node.pitch);
+        let mut weights = self.mixture.weights(transfer, node.pitch);
         weights[0] = weights[0] + direct;
         weights
     }
@@ -93,14 +93,14 @@ impl<'a> Basis<'a> {
         &self.slices.nodes
     }
 
-    /// Largest error of the ladder's transfer functions, relative to the scattered light.
+    /// Largest error of the mixture's transfer functions, relative to the scattered light.
     ///
     /// # Errors
     /// As [`Optics::kernel`].
     pub fn error(&self, optics: &Optics) -> Result<f64> {
         let error = |worst: f64, node: &Node| {
             let kernel = optics.kernel(node.z)?;
-            Ok(worst.max(self.ladder.error(&|k| kernel.scattered_transfer(k), node.pitch)))
+            Ok(worst.max(self.mixture.error(&|k| kernel.scattered_transfer(k), node.pitch)))
         };
         self.slices.nodes.iter().try_fold(0.0, error)
     }
@@ -110,7 +110,7 @@ impl<'a> Basis<'a> {
         let target = &self.target;
         let size = [target.radiance.width, target.radiance.height];
         let each = |i: usize| {
-            let widths = self.ladder.widths();
+            let widths = self.mixture.widths();
             let (plane, width) = (&self.planes[i / widths.len()], widths[i % widths.len()]);
             Blur::new(plane, size, target.border, target.view, width)
         };

@@ -82,13 +82,19 @@ impl Canvas {
         rows.into_par_iter()
     }
 
-    /// Multiplies the part of `canvas` under `view` by `weights`.
+    /// Multiplies `canvas` by `weights` over `view`; what lies outside is seen as by the nearest pixel of the view.
     pub(super) fn weigh(&self, canvas: &mut [f32], view: View, weights: &[f32]) {
-        let [left, top] = [view.x + self.padded[0].margin, view.y + self.padded[1].margin];
-        for (y, weights) in weights.chunks(view.width).enumerate() {
-            let start = (top + y) * self.fft.width + left;
-            canvas[start..].iter_mut().zip(weights).for_each(|(v, weight)| *v *= weight);
-        }
+        let [columns, rows] = self.nearest(view);
+        canvas.par_chunks_mut(self.fft.width).zip(rows).for_each(|(row, y)| {
+            let weights = &weights[y * view.width..];
+            row.iter_mut().zip(&columns).for_each(|(v, &x)| *v *= weights[x]);
+        });
+    }
+
+    /// For each column and row of the canvas the nearest of `view`, around the canvas' ends if that is shorter.
+    fn nearest(&self, view: View) -> [Vec<usize>; 2] {
+        let [x, y] = [(view.x, view.width), (view.y, view.height)];
+        [(x, self.padded[0]), (y, self.padded[1])].map(|(seen, padded)| nearest(seen, padded))
     }
 
     /// The part of `canvas` under `view` of the object image.
@@ -110,6 +116,17 @@ pub(super) fn most_reach(target: &Target) -> f64 {
 pub(super) struct Padded {
     pub size: usize,
     pub margin: usize,
+}
+
+/// For each pixel of a padded row the nearest of the `length` pixels from `start` on of the object image, around the ends
+/// of the row if that is shorter.
+pub(super) fn nearest((start, length): (usize, usize), Padded { size, margin }: Padded) -> Vec<usize> {
+    let of = |i: usize| match (i + size - start - margin) % size {
+        inside if inside < length => inside,
+        beyond if 2 * beyond < size + length => length - 1,
+        _ => 0,
+    };
+    (0..size).map(of).collect()
 }
 
 /// Padding of `n` pixels so that what wraps around comes from beyond `reach_px`.

@@ -1,12 +1,12 @@
-//! The definition of the composite filter: screens, slopes and further layers summed pixel by pixel in real space, in
+//! The definition of the composite filter: occluders, slopes and further layers summed pixel by pixel in real space, in
 //! f64, with every pixel's own path length.
 //!
-//! From far to near, all light behind a screen is gathered at it; what falls on the screen's opaque pixels ends there,
-//! and what passes is a sheet of sources at the screen's own depth. At the screen k (or the camera)
+//! From far to near, all light behind an occluder is gathered at it; what falls on the occluder's opaque pixels ends there,
+//! and what passes is a layer of sources at the occluder's own depth. At the occluder k (or the camera)
 //!
 //! `light_k(x) = sum_j [ W_jk(x - j) + B_jk(x - j)·g_j ] L_j`
 //!
-//! over all sources j between it and the next screen, and all that passed the next screen; g is the slope of the depth
+//! over all sources j between it and the next occluder, and all that passed the next occluder; g is the slope of the depth
 //! in length per pixel. The weights are those of a lattice of pixels. With t = T + s̃, the pixel transfer function
 //! ([`footprint`](super::footprint)), and N the kernel's [`mean_slope`](crate::spread::SpreadKernel::mean_slope):
 //!
@@ -52,23 +52,23 @@ pub fn render(target: &Target, optics: &Optics) -> Result<Vec<f64>> {
     let side = target.radiance.width.max(target.radiance.height);
     in_range("image side, px", side as f64, side <= LARGEST, "at most 64")?;
 
-    let free = Relief { slopes: vec![None], screens: Vec::new() };
+    let free = Relief { slopes: vec![None], occluders: Vec::new() };
     let relief = target.relief.unwrap_or(&free);
     let sources = sources(target, relief);
     let lattice = Lattice::new(target, pixel_pitch, &sources, optics)?;
     let mut passed: Vec<Source> = Vec::new();
-    for (i, screen) in relief.screens.iter().enumerate().rev() {
-        let behind = sources.iter().filter(|s| s.screens == i + 1).chain(&passed);
-        let light = lattice.gather(behind, Some(screen.z), optics)?;
-        let at_screen = |(place, light): (usize, f64)| {
+    for (i, occluder) in relief.occluders.iter().enumerate().rev() {
+        let behind = sources.iter().filter(|s| s.occluders == i + 1).chain(&passed);
+        let light = lattice.gather(behind, Some(occluder.z), optics)?;
+        let at_occluder = |(place, light): (usize, f64)| {
             let (x, y) = (place % lattice.width, place / lattice.width);
             let inside = x < target.radiance.width && y < target.radiance.height;
-            let open = !inside || !screen.opaque[y * target.radiance.width + x];
-            open.then_some(Source { x, y, z: screen.z, light, slope: [0.0; 2], screens: i })
+            let open = !inside || !occluder.opaque[y * target.radiance.width + x];
+            open.then_some(Source { x, y, z: occluder.z, light, slope: [0.0; 2], occluders: i })
         };
-        passed = light.into_iter().enumerate().filter_map(at_screen).collect();
+        passed = light.into_iter().enumerate().filter_map(at_occluder).collect();
     }
-    let light = lattice.gather(sources.iter().filter(|s| s.screens == 0).chain(&passed), None, optics)?;
+    let light = lattice.gather(sources.iter().filter(|s| s.occluders == 0).chain(&passed), None, optics)?;
     let view = target.view;
     let seen = |i: usize| light[(view.y + i / view.width) * lattice.width + view.x + i % view.width];
     Ok((0..view.pixels()).map(seen).collect())
@@ -83,8 +83,8 @@ struct Source {
     light: f64,
     /// Slope of the depth along x and y, length per pixel.
     slope: [f64; 2],
-    /// Screens before it.
-    screens: usize,
+    /// Occluders before it.
+    occluders: usize,
 }
 
 /// The object's and its further layers' pixels.
@@ -96,18 +96,18 @@ fn sources(target: &Target, relief: &Relief) -> Vec<Source> {
         let layers = std::iter::once((&geometry.depth, target.radiance))
             .chain(geometry.behind.iter().zip(target.behind))
             .zip(&relief.slopes);
-        // Screens before the last source at this pixel.
+        // Occluders before the last source at this pixel.
         let mut before = None;
         for ((distance, radiance), slopes) in layers {
             let Some(d) = distance.distance(x, y) else { continue };
             let z = d - geometry.surface.at(x, y);
-            let screens = relief.screens.iter().filter(|s| s.depth < d).count();
-            let between = |nearer| relief.screens.iter().take(screens).skip(nearer);
+            let occluders = relief.occluders.iter().filter(|s| s.depth < d).count();
+            let between = |nearer| relief.occluders.iter().take(occluders).skip(nearer);
             let free = before.is_none_or(|nearer| between(nearer).any(|s| s.opaque[i]));
             if z > 0.0 && free {
                 let slope = slopes.as_ref().map_or([0.0; 2], |s| s[i].map(f64::from));
-                found.push(Source { x, y, z, light: f64::from(radiance.data[i]), slope, screens });
-                before = Some(screens);
+                found.push(Source { x, y, z, light: f64::from(radiance.data[i]), slope, occluders });
+                before = Some(occluders);
             }
         }
     }
@@ -132,18 +132,18 @@ impl Lattice {
         Ok(Self { width: size(target.radiance.width), height: size(target.radiance.height), pitch })
     }
 
-    /// Light of `sources` on every pixel at the path length `screen`, or at the camera.
+    /// Light of `sources` on every pixel at the path length `occluder`, or at the camera.
     fn gather<'s>(
         &self,
         sources: impl Iterator<Item = &'s Source>,
-        screen: Option<f64>,
+        occluder: Option<f64>,
         optics: &Optics,
     ) -> Result<Vec<f64>> {
         let mut groups: BTreeMap<u64, Vec<&Source>> = BTreeMap::new();
         for source in sources {
             groups.entry(source.z.to_bits()).or_default().push(source);
         }
-        let own = match screen {
+        let own = match occluder {
             Some(z) => self.transfer(&*optics.kernel(z)?),
             None => self.frequencies(|_, _| 1.0),
         };

@@ -1,8 +1,8 @@
 //! The fast path: f32 FFTs of a few depth slices, on all cores.
 //!
 //! A plan holds the transforms of the object weighted for each slice; they do not depend on the medium. A render
-//! goes from far to near: the light behind each screen is gathered there in the frequency domain, loses in the image
-//! what the screen covers, and is carried on to the next. Slices between two screens share one inverse FFT; a screen
+//! goes from far to near: the light behind each occluder is gathered there in the frequency domain, loses in the image
+//! what the occluder covers, and is carried on to the next. Slices between two occluders share one inverse FFT; an occluder
 //! costs one more, and a forward one. Derivatives cost three times as many (two if there is a single depth, where the
 //! derivative in sigma_a is -z times the image). A perspective view takes a few renders, one for each of its
 //! obliquities (`obliquity`).
@@ -10,9 +10,10 @@
 use super::canvas::Canvas;
 use super::obliquity::Obliquity;
 use super::plan::{Coverage, Plan};
-use super::segment::Segment;
+use super::shift::Shift;
+use super::slab::Slab;
 use super::slices::Slices;
-use super::sources::Sheet;
+use super::sources::Layer;
 use super::{Optics, Target};
 use crate::error::Result;
 use crate::image::Image;
@@ -25,7 +26,7 @@ pub struct Rendering {
     pub image: Image,
     /// Derivatives of `image` in sigma_s (length), sigma_a (length) and B (1/rad²).
     pub gradient: Option<[Image; 3]>,
-    /// Motion.
+    /// Derivatives of `image` in the shift along x and y (1/px), if a shift was asked for.
     pub motion: Option<[Image; 2]>,
 }
 
@@ -33,8 +34,8 @@ pub struct Rendering {
 pub struct CpuFilter<'a> {
     plan: Plan<'a>,
     canvas: Canvas,
-    /// From near to far; all but the first lie behind a screen.
-    segments: Vec<Segment>,
+    /// From near to far; all but the first lie behind an occluder.
+    slabs: Vec<Slab>,
 }
 
 impl<'a> CpuFilter<'a> {
@@ -46,19 +47,19 @@ impl<'a> CpuFilter<'a> {
         Ok(Self::of(Plan::new(target, optics, headroom)?))
     }
 
-    /// Prepares `target` with at most `count` slices along z between any two screens and padding for kernels that reach
+    /// Prepares `target` with at most `count` slices along z between any two occluders and padding for kernels that reach
     /// `reach_px` pixels.
     pub fn with_slices(target: Target<'a>, count: usize, reach_px: f64) -> Self {
         Self::of(Plan::with_slices(target, count, reach_px))
     }
 
-    pub(super) fn of((plan, sheets): (Plan<'a>, Vec<Sheet>)) -> Self {
+    pub(super) fn of((plan, layers): (Plan<'a>, Vec<Layer>)) -> Self {
         let canvas = Canvas::new(&plan.target, plan.reach_px);
-        let segment = |(passed, slices): (usize, &Option<Slices>)| {
-            Segment::new((&plan, &canvas), &sheets, passed, slices.clone())
+        let slab = |(passed, slices): (usize, &Option<Slices>)| {
+            Slab::new((&plan, &canvas), &layers, passed, slices.clone())
         };
-        let segments = plan.slices.iter().enumerate().map(segment).collect();
-        Self { canvas, segments, plan }
+        let slabs = plan.slices.iter().enumerate().map(slab).collect();
+        Self { canvas, slabs, plan }
     }
 
     /// How far padding and slices serve the kernels of `optics` too.
@@ -77,7 +78,7 @@ impl<'a> CpuFilter<'a> {
     /// Number of real 2-D FFTs that one render by a model of small angles takes, without and with the derivatives, and
     /// their size.
     pub fn transforms(&self) -> (usize, usize, [usize; 2]) {
-        let images = (2 * self.segments.len() - 1) * self.plan.obliquities.count();
+        let images = (2 * self.slabs.len() - 1) * self.plan.obliquities.count();
         let with_derivatives = if self.plan.single_depth().is_some() { 3 * images } else { 4 * images };
         (images, with_derivatives, [self.canvas.fft.width, self.canvas.fft.height])
     }
@@ -87,7 +88,7 @@ impl<'a> CpuFilter<'a> {
     /// # Errors
     /// As [`Optics::kernel`].
     pub fn render(&self, optics: &Optics) -> Result<Image> {
-        Ok(self.evaluate(optics, 1)?.swap_remove(0))
+        Ok(self.seen(&self.planes(optics, 1)?[0]))
     }
 
     /// The image and its derivatives, over the target's view.
@@ -95,22 +96,47 @@ impl<'a> CpuFilter<'a> {
     /// # Errors
     /// As [`Optics::kernel`].
     pub fn render_with_gradient(&self, optics: &Optics) -> Result<Rendering> {
-        let mut planes = self.evaluate(optics, 4)?.into_iter();
-        let mut next = || planes.next().expect("four planes were asked for");
-        Ok(Rendering { image: next(), gradient: Some([next(), next(), next()]), motion: None })
+        let planes = self.planes(optics, 4)?;
+        let [image, gradient @ ..] = [0, 1, 2, 3].map(|i| self.seen(&planes[i]));
+        Ok(Rendering { image, gradient: Some(gradient), motion: None })
     }
 
-    /// The first `count` of image, d/d sigma_s, d/d sigma_a, d/d B.
-    fn evaluate(&self, optics: &Optics, count: usize) -> Result<Vec<Image>> {
+    /// The image moved by `shift_px` to the right and down, over the target's view: what [`render`](Self::render) has at
+    /// x is at x + `shift_px`.
+    ///
+    /// # Errors
+    /// As [`Optics::kernel`], and [`Error::OutOfRange`](crate::Error::OutOfRange) for a shift that is not finite or is
+    /// larger than the padded image.
+    pub fn render_shifted(&self, optics: &Optics, shift_px: [f64; 2]) -> Result<Image> {
+        let shift = Shift::new(&self.canvas.fft, shift_px)?;
+        let image = self.planes(optics, 1)?.swap_remove(0);
+        Ok(self.seen(&shift.moved(&self.canvas.fft, image)))
+    }
+
+    /// The moved image and its derivatives, also those in the shift, over the target's view.
+    ///
+    /// # Errors
+    /// As [`render_shifted`](Self::render_shifted).
+    pub fn render_shifted_with_gradient(&self, optics: &Optics, shift_px: [f64; 2]) -> Result<Rendering> {
+        let shift = Shift::new(&self.canvas.fft, shift_px)?;
+        let mut planes = self.planes(optics, 4)?.into_iter();
+        let mut next = || planes.next().expect("four planes were asked for");
+        let [image, x, y] = shift.moved_with_motion(&self.canvas.fft, next()).map(|plane| self.seen(&plane));
+        let gradient = [next(), next(), next()].map(|plane| self.seen(&shift.moved(&self.canvas.fft, plane)));
+        Ok(Rendering { image, gradient: Some(gradient), motion: Some([x, y]) })
+    }
+
+    /// The first `count` of image, d/d sigma_s, d/d sigma_a, d/d B, on the canvas.
+    fn planes(&self, optics: &Optics, count: usize) -> Result<Vec<Vec<f32>>> {
         if optics.model == Model::BeerLambert {
             let mut planes = vec![vec![0.0; self.canvas.pixels()]; count];
-            for segment in self.segments.iter().rev() {
-                segment.add_direct(&self.canvas, &optics.medium, 0.0, &mut planes);
-                if let Some(gate) = &segment.screen {
-                    planes.iter_mut().for_each(|plane| gate.stop(plane));
+            for slab in self.slabs.iter().rev() {
+                slab.add_direct(&self.canvas, &optics.medium, 0.0, &mut planes);
+                if let Some(mask) = &slab.occluder {
+                    planes.iter_mut().for_each(|plane| mask.apply(plane));
                 }
             }
-            return Ok(self.view(&planes));
+            return Ok(planes);
         }
         let mut sum: Option<Vec<Vec<f32>>> = None;
         for (obliquity, weights) in self.plan.obliquities.iter() {
@@ -127,32 +153,33 @@ impl<'a> CpuFilter<'a> {
             }
         }
         let mut planes = sum.expect("there is an obliquity");
-        self.segments[0].add_direct(&self.canvas, &optics.medium, 0.0, &mut planes);
-        Ok(self.view(&planes))
+        self.slabs[0].add_direct(&self.canvas, &optics.medium, 0.0, &mut planes);
+        Ok(planes)
     }
 
-    /// The same on the canvas without the direct light of the first segment, for rays of one obliquity.
+    /// The same without the direct light of the first slab, for rays of one obliquity.
     fn scattered(&self, optics: &Optics, obliquity: Obliquity, count: usize) -> Result<Vec<Vec<f32>>> {
         // Light of small angles travels z, whatever is absorbed: d/d sigma_a is -z times the image.
         let single_depth = self.plan.single_depth().filter(|_| optics.model.rests_on_small_angles());
         let components: Vec<usize> = (0..count).filter(|&c| c != 2 || single_depth.is_none()).collect();
         let mut carried = None;
-        for segment in self.segments.iter().rev() {
-            let spectra = segment.gather(&self.canvas, (optics, obliquity), carried.as_ref(), &components)?;
+        for slab in self.slabs.iter().rev() {
+            let spectra = slab.gather(&self.canvas, (optics, obliquity), carried.as_ref(), &components)?;
             let mut fields: Vec<Vec<f32>> = spectra.into_iter().map(|s| self.canvas.fft.inverse(s)).collect();
             if let Some(node) = single_depth.filter(|_| count == 4) {
-                let z = obliquity.tilt(node).z as f32;
+                let z = obliquity.scaled(node).z as f32;
                 fields.insert(2, fields[0].iter().map(|v| -z * v).collect());
             }
-            match &segment.screen {
-                Some(gate) => carried = Some(segment.pass(gate, &self.canvas, &optics.medium, fields)),
+            match &slab.occluder {
+                Some(mask) => carried = Some(slab.pass(mask, &self.canvas, &optics.medium, fields)),
                 None => return Ok(fields),
             }
         }
-        unreachable!("the first segment has no screen")
+        unreachable!("the first slab has no occluder")
     }
 
-    fn view(&self, planes: &[Vec<f32>]) -> Vec<Image> {
-        planes.iter().map(|plane| self.canvas.crop(plane, self.plan.target.view)).collect()
+    /// The part of the canvas under the target's view.
+    fn seen(&self, plane: &[f32]) -> Image {
+        self.canvas.crop(plane, self.plan.target.view)
     }
 }

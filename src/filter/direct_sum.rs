@@ -33,7 +33,7 @@ pub fn render(target: &Target, optics: &Optics) -> Result<Vec<f64>> {
     let images = pairs
         .par_iter()
         .map(|((node, pixels), (obliquity, seen))| {
-            let node = obliquity.tilt(*node);
+            let node = obliquity.scaled(*node);
             let kernel = optics.kernel(node.z)?;
             let cells = UnitCells::new(&*kernel, node.pitch, side + around as usize + 2);
             let mut image = vec![0.0; view.pixels()];

@@ -6,7 +6,7 @@ use crate::geometry::median;
 use crate::image::Image;
 use crate::spread::Model;
 
-/// Share of the light of every pixel of the view that comes from what is supposed, but not known, to lie behind near
+/// Share of the light of every pixel of the view that comes from inpainted surfaces behind near
 /// surfaces: the light that it would send if everything there had radiance 1, over exp(-sigma_a z). Where there is no
 /// object, z is the median path length. For the model `traced`, which has no kernels, those of `small-angle` tell.
 ///

@@ -8,7 +8,7 @@
 //! averaged over pixel x. Its transform is the scattered transfer function times sinc² in each axis, summed over
 //! all its aliases ([`footprint`]).
 //!
-//! Four rungs, each tested against the one before: [`direct_sum`], the definition in real space, f64;
+//! Four implementations, each tested against the one before: [`direct_sum`], the definition in real space, f64;
 //! [`per_depth`], one f64 FFT for each distinct depth; [`cpu`], f32 FFTs of a few depth slices; [`gpu`], the same on a
 //! graphics adapter.
 //!
@@ -16,25 +16,35 @@
 //! reaches) or the mirrored image, periodically (`mirror`).
 
 mod backend;
-mod stub;
+#[doc(hidden)]
 pub mod basis;
-mod bend;
+#[doc(hidden)]
 pub mod blur;
 mod canvas;
+#[doc(hidden)]
 pub mod composite_sum;
 pub mod cpu;
+#[doc(hidden)]
 pub mod direct_sum;
 mod fft2;
+#[doc(hidden)]
 pub mod footprint;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 mod hidden;
-pub mod ladder;
+#[doc(hidden)]
+pub mod mixture;
+mod moved;
 mod obliquity;
+#[doc(hidden)]
 pub mod per_depth;
 mod plan;
-mod segment;
+mod registration;
+mod shift;
+mod slab;
+#[doc(hidden)]
 pub mod slices;
+mod slope_correction;
 mod sources;
 mod tables;
 mod transfer;
@@ -42,9 +52,10 @@ mod unit_cells;
 
 pub use backend::{Backend, Prepared};
 pub use cpu::Rendering;
-pub use stub::{coarse_shift, shifted};
 pub use hidden::hidden_share;
+pub use moved::moved;
 pub use plan::{CUT, Coverage};
+pub use registration::coarse_shift;
 
 use crate::error::Result;
 use crate::geometry::Geometry;
@@ -73,7 +84,7 @@ pub struct Target<'a> {
 /// A spread model with its medium: gives the kernel of any path length.
 #[derive(Clone, Copy)]
 pub struct Optics {
-    /// The rung of the ladder.
+    /// The spread model.
     pub model: Model,
     /// The medium.
     pub medium: Medium,
@@ -91,6 +102,7 @@ impl Optics {
 
 /// How depth maps are filtered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Filter {
     /// `composite` where the depth map has edges or slopes, else `eq29`, which is the same there.
     Auto,

@@ -23,7 +23,7 @@ pub(super) struct Obliquity {
 
 impl Obliquity {
     /// Path length and pixel of this ray's kernel, for `node` along the axis.
-    pub(super) fn tilt(self, node: Node) -> Node {
+    pub(super) fn scaled(self, node: Node) -> Node {
         Node { z: node.z / self.cosine, pitch: node.pitch * self.cosine.sqrt() }
     }
 }

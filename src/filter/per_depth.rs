@@ -1,16 +1,18 @@
-//! The second rung: f64, one FFT for each distinct depth, aliases summed one by one.
+//! The second implementation: f64, one FFT for each distinct depth, aliases summed one by one.
 //!
 //! No interpolation in depth, obliquity or frequency; proven against [`super::direct_sum`] on small images and used where that
 //! would take too long.
 
-use super::canvas::padded;
+use super::canvas::{Padded, nearest, padded};
 use super::fft2::Fft2;
 use super::footprint::{aliases, baseband};
 use super::obliquity::Obliquity;
+use super::shift::Shift;
 use super::slices::Node;
-use super::sources::sheets;
+use super::sources::layers;
 use super::{Optics, Target};
 use crate::error::Result;
+use crate::image::View;
 use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 use std::collections::BTreeMap;
@@ -27,40 +29,96 @@ const OUTSIDE: f64 = 1e-8;
 /// # Errors
 /// As [`Optics::kernel`].
 pub fn render(target: &Target, optics: &Optics) -> Result<Vec<f64>> {
-    let groups = pixels_by_node(target);
-    let obliquities = pixels_by_obliquity(target);
-    let mut reach: f64 = 0.0;
-    for (node, _) in &groups {
-        for (obliquity, _) in &obliquities {
-            let node = obliquity.tilt(*node);
-            reach = reach.max(optics.kernel(node.z)?.support(OUTSIDE) / node.pitch);
+    let canvas = Canvas::new(target, optics)?;
+    Ok(canvas.seen(&canvas.image(target, optics)?, target.view))
+}
+
+/// The same moved by `shift_px` to the right and down.
+///
+/// # Errors
+/// As [`Optics::kernel`], and [`Error::OutOfRange`](crate::Error::OutOfRange) for a shift that is not finite or is larger
+/// than the padded image.
+pub fn render_shifted(target: &Target, optics: &Optics, shift_px: [f64; 2]) -> Result<Vec<f64>> {
+    let canvas = Canvas::new(target, optics)?;
+    let moved = Shift::new(&canvas.fft, shift_px)?.moved(&canvas.fft, canvas.image(target, optics)?);
+    Ok(canvas.seen(&moved, target.view))
+}
+
+/// The padded image.
+struct Canvas {
+    fft: Fft2<f64>,
+    /// Across and down.
+    padded: [Padded; 2],
+    /// For each column and row the object's that it shows.
+    shown: [Vec<Option<usize>>; 2],
+}
+
+impl Canvas {
+    /// The canvas of `target` for kernels as wide as those of `optics`.
+    fn new(target: &Target, optics: &Optics) -> Result<Self> {
+        let mut reach: f64 = 0.0;
+        for (node, _) in &pixels_by_node(target) {
+            for (obliquity, _) in &pixels_by_obliquity(target) {
+                let node = obliquity.scaled(*node);
+                reach = reach.max(optics.kernel(node.z)?.support(OUTSIDE) / node.pitch);
+            }
         }
+        let object = [target.radiance.width, target.radiance.height];
+        let padded = object.map(|n| padded(n, target.border, reach));
+        let shown = [0, 1].map(|axis| {
+            let Padded { size, margin } = padded[axis];
+            (0..size).map(|i| target.border.index(i as i64 - margin as i64, object[axis])).collect()
+        });
+        Ok(Self { fft: Fft2::new(padded[0].size, padded[1].size), padded, shown })
     }
-    let [px, py] = [target.radiance.width, target.radiance.height].map(|n| padded(n, target.border, reach));
-    let fft = Fft2::<f64>::new(px.size, py.size);
-    let source = |i: usize, margin: usize, n: usize| target.border.index(i as i64 - margin as i64, n);
-    let spectrum = |(_, pixels): &Group| {
-        let mut plane = vec![0.0; px.size * py.size];
-        for j in 0..py.size {
-            for i in 0..px.size {
-                let x = source(i, px.margin, target.radiance.width);
-                let y = source(j, py.margin, target.radiance.height);
-                if let (Some(x), Some(y)) = (x, y)
-                    && pixels.binary_search(&(y, x)).is_ok()
-                {
-                    plane[j * px.size + i] = f64::from(target.radiance.at(x, y));
+
+    /// What `value` has for the object pixel (x, y) that each pixel shows, 0 where it shows none.
+    fn filled(&self, value: impl Fn(usize, usize) -> f64) -> Vec<f64> {
+        let [columns, rows] = &self.shown;
+        let at = |y: &Option<usize>, x: &Option<usize>| y.zip(*x).map_or(0.0, |(y, x)| value(x, y));
+        rows.iter().flat_map(|y| columns.iter().map(move |x| (y, x))).map(|(y, x)| at(y, x)).collect()
+    }
+
+    /// All light that arrives; what lies outside the view is seen as by the nearest pixel of the view.
+    fn image(&self, target: &Target, optics: &Optics) -> Result<Vec<f64>> {
+        let radiance = |x: usize, y: usize| f64::from(target.radiance.at(x, y));
+        let groups = pixels_by_node(target);
+        let spectrum = |(_, pixels): &Group| {
+            let own = |x, y| if pixels.binary_search(&(y, x)).is_ok() { radiance(x, y) } else { 0.0 };
+            self.fft.forward(self.filled(own))
+        };
+        let spectra: Vec<_> = groups.iter().map(spectrum).collect();
+        let mut image = self.filled(|x, y| {
+            let direct = target.geometry.path_length(x, y).map_or(0.0, |z| optics.medium.transmittance(z));
+            direct * radiance(x, y)
+        });
+        let view = target.view;
+        let [columns, rows] = [(0, view.x, view.width), (1, view.y, view.height)]
+            .map(|(axis, start, length)| nearest((start, length), self.padded[axis]));
+        for (obliquity, seen) in pixels_by_obliquity(target) {
+            let scattered = self.scattered(optics, obliquity, groups.iter().map(|g| g.0).zip(&spectra))?;
+            let mut mine = vec![false; view.pixels()];
+            seen.iter().for_each(|&i| mine[i] = true);
+            for (at, (v, scattered)) in image.iter_mut().zip(scattered).enumerate() {
+                if mine[rows[at / self.fft.width] * view.width + columns[at % self.fft.width]] {
+                    *v += scattered;
                 }
             }
         }
-        fft.forward(plane)
-    };
-    let spectra: Vec<_> = groups.iter().map(spectrum).collect();
-    let view = target.view;
-    let mut image = vec![0.0; view.pixels()];
-    for (obliquity, seen) in &obliquities {
+        Ok(image)
+    }
+
+    /// The scattered light of all nodes, by their spectra, for rays of one obliquity.
+    fn scattered<'s>(
+        &self,
+        optics: &Optics,
+        obliquity: Obliquity,
+        spectra: impl Iterator<Item = (Node, &'s Vec<Complex<f64>>)>,
+    ) -> Result<Vec<f64>> {
+        let fft = &self.fft;
         let mut sum = vec![Complex::new(0.0, 0.0); fft.half_width() * fft.height];
-        for ((node, _), spectrum) in groups.iter().zip(&spectra) {
-            let node = obliquity.tilt(*node);
+        for (node, spectrum) in spectra {
+            let node = obliquity.scaled(node);
             let kernel = optics.kernel(node.z)?;
             sum.par_chunks_mut(fft.height).zip(spectrum.par_chunks(fft.height)).enumerate().for_each(
                 |(kx, (out, spectrum))| {
@@ -77,15 +135,15 @@ pub fn render(target: &Target, optics: &Optics) -> Result<Vec<f64>> {
                 },
             );
         }
-        let scattered = fft.inverse(sum);
-        for &i in seen {
-            let (x, y) = (view.x + i % view.width, view.y + i / view.width);
-            let direct = target.geometry.path_length(x, y).map_or(0.0, |z| optics.medium.transmittance(z));
-            image[i] = direct * f64::from(target.radiance.at(x, y))
-                + scattered[(y + py.margin) * px.size + x + px.margin];
-        }
+        Ok(fft.inverse(sum))
     }
-    Ok(image)
+
+    /// The part of `image` under `view`, row-major.
+    fn seen(&self, image: &[f64], view: View) -> Vec<f64> {
+        let [across, down] = self.padded;
+        let row = |y: usize| &image[(view.y + y + down.margin) * across.size + view.x + across.margin..];
+        (0..view.height).flat_map(|y| row(y)[..view.width].to_vec()).collect()
+    }
 }
 
 /// The view's pixels (row-major index) under each obliquity of their rays, in order.
@@ -107,7 +165,7 @@ pub(super) type Group = (Node, Vec<(usize, usize)>);
 /// The object's pixels under each distinct path length and pitch.
 pub(super) fn pixels_by_node(target: &Target) -> Vec<Group> {
     let mut groups: BTreeMap<[u64; 2], Group> = BTreeMap::new();
-    let object = &sheets(&Target { relief: None, ..*target })[0];
+    let object = &layers(&Target { relief: None, ..*target })[0];
     for (i, source) in object.iter().enumerate() {
         if let Some(node) = source.map(|s| s.node) {
             let key = [node.z.to_bits(), node.pitch.to_bits()];

@@ -3,12 +3,12 @@
 use super::canvas::most_reach;
 use super::obliquity::Obliquities;
 use super::slices::{Node, Slices};
-use super::sources::{Sheet, hidden_sheets, sheets};
+use super::sources::{Layer, hidden_layers, layers};
 use super::{Optics, Target};
 use crate::error::Result;
 use crate::image::Border;
 use crate::phase::PhaseFunction;
-use crate::relief::{Relief, Screen};
+use crate::relief::{Occluder, Relief};
 use crate::spread::Model;
 
 /// How far a plan serves some kernels.
@@ -40,46 +40,51 @@ pub(super) struct Plan<'a> {
     /// Farthest reach of a kernel that the padding must serve, px.
     pub reach_px: f64,
     pub obliquities: Obliquities,
-    /// Of what lies before the first screen and behind each; none where nothing does.
+    /// Of what lies before the first occluder and behind each; none where nothing does.
     pub slices: Vec<Option<Slices>>,
 }
 
 impl<'a> Plan<'a> {
     /// The plan of `target` for kernels up to as wide as those of `optics`, times `headroom`, and its sources.
-    pub(super) fn new(target: Target<'a>, optics: &Optics, headroom: f64) -> Result<(Self, Vec<Sheet>)> {
-        Self::of_sheets(target, sheets(&target), optics, headroom)
+    pub(super) fn new(target: Target<'a>, optics: &Optics, headroom: f64) -> Result<(Self, Vec<Layer>)> {
+        Self::of_layers(target, layers(&target), optics, headroom)
     }
 
-    /// The same for light of radiance 1 from whatever is supposed, but not known, to lie behind the screens of
+    /// The same for light of radiance 1 from the surfaces inpainted behind the occluders of
     /// `relief`, which the target has: what renders is the share of hidden light.
     pub(super) fn of_hidden(
         target: Target<'a>,
         relief: &Relief,
         optics: &Optics,
-    ) -> Result<(Self, Vec<Sheet>)> {
-        Self::of_sheets(target, hidden_sheets(&target, relief), optics, 1.0)
+    ) -> Result<(Self, Vec<Layer>)> {
+        Self::of_layers(target, hidden_layers(&target, relief), optics, 1.0)
     }
 
-    fn of_sheets(
+    fn of_layers(
         target: Target<'a>,
-        sheets: Vec<Sheet>,
+        layers: Vec<Layer>,
         optics: &Optics,
         headroom: f64,
-    ) -> Result<(Self, Vec<Sheet>)> {
+    ) -> Result<(Self, Vec<Layer>)> {
         let divergence = target.geometry.pitch_per_depth();
         let sliced = |nodes: &[Node]| Slices::for_tolerance(divergence, nodes, optics, SLICE_TOLERANCE);
-        let slices = per_segment(&target, &sheets, sliced)?;
+        let slices = per_slab(&target, &layers, sliced)?;
         let reach_px = headroom * reach_px(slices.iter().flatten(), optics, &target)?;
-        Ok((Self::with(target, slices, reach_px), sheets))
+        Ok((Self::with(target, slices, reach_px), layers))
     }
 
-    /// The plan with at most `count` slices along z between any two screens and padding for kernels that reach
+    /// The plan with at most `count` slices along z between any two occluders and padding for kernels that reach
     /// `reach_px` pixels, and its sources.
-    pub(super) fn with_slices(target: Target<'a>, count: usize, reach_px: f64) -> (Self, Vec<Sheet>) {
-        let sheets = sheets(&target);
+    pub(super) fn with_slices(target: Target<'a>, count: usize, reach_px: f64) -> (Self, Vec<Layer>) {
+        let layers = layers(&target);
         let divergence = target.geometry.pitch_per_depth();
-        let slices = per_segment(&target, &sheets, |nodes| Ok(Slices::new(divergence, nodes, count)));
-        (Self::with(target, slices.expect("a number of slices cannot fail"), reach_px), sheets)
+        let slices = per_slab(&target, &layers, |nodes| Ok(Slices::new(divergence, nodes, count)));
+        (Self::with(target, slices.expect("a number of slices cannot fail"), reach_px), layers)
+    }
+
+    /// The same with `px` more of padding.
+    pub(super) fn padded_by(self, px: f64) -> Self {
+        Self { reach_px: self.reach_px + px, ..self }
     }
 
     fn with(target: Target<'a>, slices: Vec<Option<Slices>>, reach_px: f64) -> Self {
@@ -87,19 +92,19 @@ impl<'a> Plan<'a> {
         Self { target, reach_px, obliquities, slices }
     }
 
-    /// The screens of the target, nearest first.
-    pub(super) fn screens(&self) -> &'a [Screen] {
-        self.target.relief.map_or(&[], |relief| &relief.screens)
+    /// The occluders of the target, nearest first.
+    pub(super) fn occluders(&self) -> &'a [Occluder] {
+        self.target.relief.map_or(&[], |relief| &relief.occluders)
     }
 
-    /// The last of the `passed` screens that the light of a segment must pass.
-    pub(super) fn screen(&self, passed: usize) -> Option<&'a Screen> {
-        passed.checked_sub(1).map(|i| &self.screens()[i])
+    /// The last of the `passed` occluders that the light of a slab must pass.
+    pub(super) fn occluder(&self, passed: usize) -> Option<&'a Occluder> {
+        passed.checked_sub(1).map(|i| &self.occluders()[i])
     }
 
-    /// Where `screen` stands.
-    pub(super) fn node(&self, screen: &Screen) -> Node {
-        Node { z: screen.z, pitch: self.target.geometry.pixel_pitch(screen.depth) }
+    /// Where `occluder` stands.
+    pub(super) fn node(&self, occluder: &Occluder) -> Node {
+        Node { z: occluder.z, pitch: self.target.geometry.pixel_pitch(occluder.depth) }
     }
 
     /// How far padding and slices serve the kernels of `optics` too.
@@ -137,16 +142,16 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// Slices for what lies before the first screen and behind each; none where nothing does.
-fn per_segment(
+/// Slices for what lies before the first occluder and behind each; none where nothing does.
+fn per_slab(
     target: &Target,
-    sheets: &[Sheet],
+    layers: &[Layer],
     mut slices: impl FnMut(&[Node]) -> Result<Slices>,
 ) -> Result<Vec<Option<Slices>>> {
-    let screens = target.relief.map_or(0, |relief| relief.screens.len());
+    let occluders = target.relief.map_or(0, |relief| relief.occluders.len());
     let between = |passed: usize| {
         let mut nodes: Vec<Node> = Vec::new();
-        for source in sheets.iter().flatten().flatten().filter(|s| s.screens == passed) {
+        for source in layers.iter().flatten().flatten().filter(|s| s.occluders == passed) {
             // Neighbours often lie at one depth.
             if nodes.last() != Some(&source.node) {
                 nodes.push(source.node);
@@ -154,7 +159,7 @@ fn per_segment(
         }
         if nodes.is_empty() { Ok(None) } else { slices(&nodes).map(Some) }
     };
-    (0..=screens).map(between).collect()
+    (0..=occluders).map(between).collect()
 }
 
 /// Radius in pixels beyond which less than [`OUTSIDE`] of the light of any slice falls, or from which less than

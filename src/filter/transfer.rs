@@ -1,8 +1,8 @@
-//! The transfer function from a slice to what its light must pass next: the camera, or a screen.
+//! The transfer function from a slice to what its light must pass next: the camera, or an occluder.
 //!
 //! For z1 < z2 the quotient M_z2/M_z1 is itself a transfer function, that of the scattering with lever arms between
 //! z1 and z2. On pixels it is the quotient of both depths' pixel transfer functions T + s̃ ([`footprint`]), so that a
-//! screen which covers nothing changes nothing. In f32, quotients are formed in units of the screen's own M(|w|):
+//! occluder which covers nothing changes nothing. In f32, quotients are formed in units of the occluder's own M(|w|):
 //!
 //! `(T_i + s̃_i) / (T_k + s̃_k) = [b_i + T_i/M + a_i/M] / [b_k + T_k/M + a_k/M]`,
 //!
@@ -41,27 +41,27 @@ pub(super) fn product(a: &Lanes, b: &Lanes) -> Lanes {
     std::array::from_fn(|c| if c == 0 { a[0] * b[0] } else { a[c] * b[0] + a[0] * b[c] })
 }
 
-/// Share of a screen's light below which its transfer function counts as 0.
+/// Share of an occluder's light below which its transfer function counts as 0.
 const NOTHING: f64 = 1e-30;
 
-/// What transfer functions are divided by: M of a screen, or 1 for the camera.
+/// What transfer functions are divided by: M of an occluder, or 1 for the camera.
 pub(super) struct Unit {
-    screen: Option<(Box<dyn SpreadKernel>, f64)>,
+    occluder: Option<(Box<dyn SpreadKernel>, f64)>,
     scale: f64,
 }
 
 impl Unit {
-    pub(super) fn new(screen: Option<Node>, optics: &Optics) -> Result<Self> {
-        let Some(node) = screen else { return Ok(Self { screen: None, scale: 1.0 }) };
+    pub(super) fn new(occluder: Option<Node>, optics: &Optics) -> Result<Self> {
+        let Some(node) = occluder else { return Ok(Self { occluder: None, scale: 1.0 }) };
         let kernel = optics.kernel(node.z)?;
         let least = (NOTHING * kernel.mtf(0.0).value).max(f64::MIN_POSITIVE);
         let scale = kernel.direct().value.max(least);
-        Ok(Self { screen: Some((kernel, node.pitch)), scale })
+        Ok(Self { occluder: Some((kernel, node.pitch)), scale })
     }
 
     /// M at `w` rad/px, never less than the scale.
     fn at(&self, w: f64) -> Dual {
-        let Some((kernel, pitch)) = &self.screen else { return Dual::constant(1.0) };
+        let Some((kernel, pitch)) = &self.occluder else { return Dual::constant(1.0) };
         let m = kernel.mtf(w / pitch);
         if m.value >= self.scale { m } else { Dual::constant(self.scale) }
     }
@@ -79,9 +79,9 @@ pub(super) struct Slope {
 /// Tables of one slice's transfer function, in units of M.
 pub(super) struct Transfer {
     pub baseband: RadialTable,
-    pub bend: Option<RadialTable>,
+    pub slope_correction: Option<RadialTable>,
     pub aliases: AliasTable,
-    /// T_i/T_k: the share of the screen's direct light that is this slice's.
+    /// T_i/T_k: the share of the occluder's direct light that is this slice's.
     pub direct: Lanes,
     /// T_i in units of the scale.
     pub unscattered: Lanes,
@@ -94,11 +94,12 @@ impl Transfer {
         let k = |w: f64| w / node.pitch;
         let table =
             |f: &dyn Fn(f64) -> Dual| RadialTable::new(&*kernel, node.pitch, |w| f(k(w)) / unit.at(w));
-        let way = node.z - unit.screen.as_ref().map_or(0.0, |(kernel, _)| kernel.path_length());
+        let way = node.z - unit.occluder.as_ref().map_or(0.0, |(kernel, _)| kernel.path_length());
         let direct = (-optics.medium.sigma_t() * way).exp();
         Ok(Self {
             baseband: table(&|k| kernel.scattered_transfer(k)),
-            bend: slope.map(|slope| table(&|k| slope.steepness * kernel.mean_slope(k, slope.nearness))),
+            slope_correction: slope
+                .map(|slope| table(&|k| slope.steepness * kernel.mean_slope(k, slope.nearness))),
             aliases: AliasTable::new(&*kernel, node.pitch, unit.scale),
             direct: lanes(&Dual { value: direct, gradient: [-way * direct, -way * direct, 0.0] }),
             unscattered: lanes(&(1.0 / unit.scale * kernel.direct())),
@@ -123,45 +124,45 @@ impl Transfer {
     }
 
     /// Factor of the slope term's source at frequency `at`; 0 without slopes.
-    pub(super) fn bend(&self, at: &Frequency) -> Lanes {
-        self.bend.as_ref().map_or([0.0; 4], |table| table.at(at.w).map(|v| at.weight * v))
+    pub(super) fn slope_correction(&self, at: &Frequency) -> Lanes {
+        self.slope_correction.as_ref().map_or([0.0; 4], |table| table.at(at.w).map(|v| at.weight * v))
     }
 }
 
-/// Tables of all that a segment's light is multiplied with on its way to its screen, or to the camera.
+/// Tables of all that a slab's light is multiplied with on its way to its occluder, or to the camera.
 pub(super) struct Way {
     /// Of its slices.
     pub transfers: Vec<Transfer>,
-    /// Of what is carried to it from a farther screen.
+    /// Of what is carried to it from a farther occluder.
     pub farther: Option<Transfer>,
     pub divisor: Option<Divisor>,
 }
 
 impl Way {
-    /// The way from `slices` and the `farther` screen to the nearer `screen`. If the slices slope, `divergence` is the
+    /// The way from `slices` and the `farther` occluder to the nearer `occluder`. If the slices slope, `divergence` is the
     /// length of a pixel per unit of depth.
     pub(super) fn new(
         slices: &[Node],
         divergence: Option<f64>,
         farther: Option<Node>,
-        screen: Option<Node>,
+        occluder: Option<Node>,
         (optics, obliquity): (&Optics, Obliquity),
     ) -> Result<Self> {
-        let screen = screen.map(|node| obliquity.tilt(node));
-        let unit = Unit::new(screen, optics)?;
+        let occluder = occluder.map(|node| obliquity.scaled(node));
+        let unit = Unit::new(occluder, optics)?;
         let slope = |node: &Node| {
             divergence.map(|divergence| Slope {
                 nearness: (divergence * node.z / node.pitch).min(1.0),
                 steepness: 1.0 / obliquity.cosine,
             })
         };
-        let transfer = |node: &Node| Transfer::new(obliquity.tilt(*node), slope(node), optics, &unit);
+        let transfer = |node: &Node| Transfer::new(obliquity.scaled(*node), slope(node), optics, &unit);
         Ok(Self {
             transfers: slices.par_iter().map(transfer).collect::<Result<_>>()?,
             farther: farther
-                .map(|node| Transfer::new(obliquity.tilt(node), None, optics, &unit))
+                .map(|node| Transfer::new(obliquity.scaled(node), None, optics, &unit))
                 .transpose()?,
-            divisor: screen.map(|node| Divisor::new(node, optics, &unit)).transpose()?,
+            divisor: occluder.map(|node| Divisor::new(node, optics, &unit)).transpose()?,
         })
     }
 }
@@ -178,7 +179,7 @@ pub(super) struct Frequency<'a> {
     pub scale: Lanes,
 }
 
-/// Tables of the divisor: the screen's own transfer function, and the scale, in units of M.
+/// Tables of the divisor: the occluder's own transfer function, and the scale, in units of M.
 pub(super) struct Divisor {
     pub own: Transfer,
     pub scale: RadialTable,
@@ -200,7 +201,7 @@ impl Divisor {
         self.scale.at(w)
     }
 
-    /// The screen's scattered light, and all of its light, at frequency `at`.
+    /// The occluder's scattered light, and all of its light, at frequency `at`.
     pub(super) fn at(&self, line: &AliasLine, at: &Frequency) -> [Lanes; 2] {
         let mut whole = self.own.whole(line, at);
         // At least sinc² sinc² ≥ .16 but where the light is below [`NOTHING`].

@@ -26,7 +26,7 @@ pub use design::{Advice, Plan, add_advice, advise, forecast};
 pub use inference::{ChannelFit, Combination, Covariance, ExposureEstimate, InputError, ModelError, Status};
 pub use interval::{Draws, Intervals, bootstrap, profile};
 pub use observation::{NoiseTerm, Observation, VeilTerm, white_noise as noise};
-pub use optimise::PathsUsed;
+pub use optimise::{HEADROOM, PathsUsed};
 pub use parameters::{Bounds, Coordinate, Descriptor, Id, Parameter, Parameters, Role};
 pub use report::{
     AdviceReport, BackendReport, Candidate, Derived, Determined, Estimate, ExposureReport, Fit, Regime,

@@ -11,7 +11,7 @@ use crate::filter::{Filter, Target};
 use crate::geometry::{Geometry, path_lengths};
 use crate::image::{Channel, Image};
 use crate::relief::Relief;
-use crate::scene::{FitOptions, Noise, ObservedScene, Veil};
+use crate::scene::{FitOptions, Noise, ObservedScene, Registration, Veil};
 use std::time::Instant;
 
 /// The fits of all channels, the images that they leave, and the report.
@@ -83,7 +83,8 @@ impl SceneFit {
 ///
 /// # Errors
 /// [`Error::Scene`] if the scenes have different channels, [`Error::NothingToFit`] if every parameter is fixed,
-/// [`Error::OutOfRange`] for a start outside its bounds.
+/// [`Error::OutOfRange`] for a start outside its bounds, [`Error::NotShifted`] if an observation is to be registered by a model
+/// that does not render shifts.
 pub fn check_scenes(scenes: &[ObservedScene], settings: &Settings) -> Result<()> {
     let first = &scenes[0].scene;
     for ObservedScene { scene, .. } in scenes {
@@ -96,6 +97,10 @@ pub fn check_scenes(scenes: &[ObservedScene], settings: &Settings) -> Result<()>
             );
             return Err(Error::Scene { path: scene.path.clone(), message });
         }
+    }
+    let registers = |s: &ObservedScene| s.observation.registration != Registration::None;
+    if !settings.engine().renders_shifts() && scenes.iter().any(registers) {
+        return Err(Error::NotShifted);
     }
     let depths: Vec<&Geometry> = scenes.iter().map(|s| &s.scene.geometry).collect();
     let lengths = path_lengths(&depths);

@@ -49,6 +49,7 @@ impl Default for Settings<'_> {
 
 /// Choice of optimiser.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Method {
     /// Damped Gauss-Newton with analytic derivatives (Levenberg 1944, Marquardt 1963).
     LevenbergMarquardt,

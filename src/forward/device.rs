@@ -34,8 +34,7 @@ impl OnDevice {
         let Exposure { gain, veil } = self.reference.get();
         // The device holds f32.
         let [gain, veil] = [gain, veil].map(|v| f64::from(v as f32));
-        let matrix =
-            filter.products(optics, &self.observation, [gain, veil], derivatives, state.shift_px)?;
+        let matrix = filter.products(optics, &self.observation, [gain, veil], derivatives, state.shift_px)?;
         let of_shift = if state.shift_px.is_some() { &Quantity::SHIFT[..] } else { &[] };
         let quantities = Quantity::MEDIUM.iter().chain(of_shift).copied().collect();
         Ok(Products::new(Exposure { gain, veil }, quantities, matrix))

@@ -1,10 +1,10 @@
 //! Spread kernels through the depth-dependent filter.
 
 use super::ForwardModel;
-#[cfg(feature = "gpu")]
-use super::{device::OnDevice, products::Exposure};
 use super::products::{Pixels, Products};
 use super::quantity::State;
+#[cfg(feature = "gpu")]
+use super::{device::OnDevice, products::Exposure};
 use crate::error::Result;
 use crate::filter::{Coverage, Optics, Prepared, Rendering};
 use crate::image::Image;
@@ -96,7 +96,8 @@ impl ForwardModel for Filtered<'_> {
         if let Some(products) = self.on_device(state, false) {
             return products;
         }
-        let rendering = Rendering { image: self.render(&self.optics(state), state)?, gradient: None, motion: None };
+        let rendering =
+            Rendering { image: self.render(&self.optics(state), state)?, gradient: None, motion: None };
         Ok(Products::over(pixels, &rendering))
     }
 

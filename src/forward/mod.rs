@@ -1,8 +1,8 @@
 //! From parameters to an image, and to what a fit needs of it.
 //!
 //! A [`ForwardModel`] is one scene as one model sees it. There are three: spread kernels through the depth-dependent filter
-//! ([`kernels`]), the Gram matrix of images that do not depend on the medium ([`gram`]), and replayed photon paths
-//! ([`replay`]). Fits, renders and studies see the trait only.
+//! (`kernels`), the Gram matrix of images that do not depend on the medium (`gram`), and replayed photon paths
+//! (`replay`). Fits, renders and studies see the trait only.
 
 #[cfg(feature = "gpu")]
 mod device;
@@ -127,6 +127,9 @@ pub struct Radius {
     pub logarithmic: f64,
 }
 
+/// How much farther than the state's shift a prepared model may be shifted, px: a fit starts from a shift known to less.
+const SHIFT_MARGIN_PX: f64 = 2.0;
+
 /// What makes forward models: a model, where it runs, and how many paths it traces if it does.
 #[derive(Clone, Copy)]
 pub struct Engine<'a> {
@@ -153,7 +156,14 @@ impl<'a> Engine<'a> {
         if self.model == Model::Traced {
             return Ok(Box::new(Replayed::new(target, state, self.tracing, scene as u64)?));
         }
-        let filter = self.backend.prepare(target, &self.optics(state.medium), headroom)?;
+        let optics = self.optics(state.medium);
+        let filter = match state.shift_px {
+            Some([x, y]) => {
+                let farthest = x.abs().max(y.abs()) + SHIFT_MARGIN_PX;
+                self.backend.prepare_for_shifts(target, &optics, headroom, farthest)?
+            }
+            None => self.backend.prepare(target, &optics, headroom)?,
+        };
         Ok(Box::new(Filtered::new(self.model, filter)))
     }
 
@@ -172,7 +182,7 @@ impl<'a> Engine<'a> {
     }
 
     /// The share of hidden light of every pixel of `target`'s view; `None` where nothing is hidden. Where the model has no
-    /// kernels, those of `small-angle` tell.
+    /// kernels, those of `small-angle` stand in.
     ///
     /// # Errors
     /// As [`ForwardModel::image`].
@@ -216,9 +226,14 @@ impl<'a> Engine<'a> {
         Ok(Parts { direct: model.direct(state)?, whole: model.image(state)? })
     }
 
-    /// The model whose fit says where that of this one begins, if it needs to be told.
+    /// The model whose fit says where that of this one begins, if it needs one.
     pub fn pilot(&self) -> Option<Self> {
         (self.model == Model::Traced).then_some(Self { model: Model::SmallAngle, ..*self })
+    }
+
+    /// Whether the model renders shifted observations.
+    pub fn renders_shifts(&self) -> bool {
+        self.model != Model::Traced
     }
 
     /// The same with so few paths as are enough to seek the medium; `None` if there are none to be saved.

@@ -75,7 +75,8 @@ fn columns(pixel: &Pixel, images: &[&Image], reference: Exposure, out: &mut [f64
 /// The images of a render and what their derivatives are taken in.
 fn images(rendering: &Rendering) -> (Vec<&Image>, Vec<Quantity>) {
     let derivatives = derivatives(rendering);
-    let images = std::iter::once(&rendering.image).chain(derivatives.iter().map(|(_, image)| *image)).collect();
+    let images =
+        std::iter::once(&rendering.image).chain(derivatives.iter().map(|(_, image)| *image)).collect();
     (images, derivatives.into_iter().map(|(quantity, _)| quantity).collect())
 }
 

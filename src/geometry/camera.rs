@@ -5,6 +5,7 @@ use glam::DVec3;
 
 /// Pinhole or parallel projection.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Camera {
     /// Parallel rays, `pixel_pitch` (length) apart.
     Orthographic {

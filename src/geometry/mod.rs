@@ -19,7 +19,7 @@ use glam::DVec3;
 pub enum Field {
     /// One value everywhere.
     Uniform(f64),
-    /// One value a pixel.
+    /// One value per pixel.
     Map(Image),
 }
 
@@ -46,8 +46,8 @@ pub const EDGE_PITCHES: f64 = 4.0;
 /// The farthest distance at which an object is taken to be there (contract: beyond, a pixel is empty).
 pub const FARTHEST: f64 = 1e9;
 
-/// By which share a layer may lie before the one in front of it and still counts as repeating it: two f32 distances
-/// of one surface, each a few times rounded.
+/// Relative distance by which a layer may lie before the one in front of it and still count as repeating it: two f32
+/// distances of one surface, each rounded a few times.
 const REPEATED: f64 = 4.0 * f32::EPSILON as f64;
 
 /// Camera, object distance and medium surface of a scene, over the object image.
@@ -61,7 +61,7 @@ pub struct Geometry {
     pub camera: Camera,
     /// Distance from the camera to the object along the ray; empty pixels are 0, negative, infinite or > 1e9.
     pub depth: Field,
-    /// The same for the further layers, which are known to lie behind it, nearest first.
+    /// The same for the further layers, known surfaces behind it, nearest first.
     pub behind: Vec<Field>,
     /// Distance from the camera to the medium's surface along the ray.
     pub surface: Field,
@@ -94,8 +94,8 @@ impl Geometry {
         self.object_distance(x, y).map(|d| d - self.surface.at(x, y))
     }
 
-    /// What a length (depth, path) along the ray of pixel (`x`, `y`) comes to along the camera's axis. Maps hold f32, so in a
-    /// perspective view the result is rounded to a part in a million: a flat wall has one depth.
+    /// A length (depth, path) along the ray of pixel (`x`, `y`), projected on the camera's axis. Maps hold f32, so in a
+    /// perspective view the result is rounded to one part in a million, so that a flat wall has one depth.
     pub fn along_axis(&self, x: usize, y: usize, length: f64) -> f64 {
         match self.camera {
             Camera::Orthographic { .. } => length,
@@ -134,7 +134,7 @@ impl Geometry {
         self.camera.ray(x as f64 + 0.5, y as f64 + 0.5, (self.width, self.height)).1
     }
 
-    /// The path lengths of all pixels that show an object; one stands for all of a flat scene.
+    /// The path lengths of all pixels that show an object; a single one for a flat scene.
     pub fn path_lengths(&self) -> Vec<f64> {
         self.over_pixels(&[&self.depth, &self.surface], |x, y| self.path_length(x, y))
     }
@@ -147,7 +147,7 @@ impl Geometry {
         median(self.over_pixels(on, shown))
     }
 
-    /// `f` of every pixel where it is defined; of the first such alone if none of the fields that it depends `on`
+    /// `f` of every pixel where it is defined; of the first such pixel only if none of the fields `on` which it depends
     /// varies.
     fn over_pixels(&self, on: &[&Field], f: impl Fn(usize, usize) -> Option<f64>) -> Vec<f64> {
         let constant = on.iter().all(|field| matches!(field, Field::Uniform(_)));

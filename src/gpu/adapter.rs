@@ -8,10 +8,10 @@ use wgpu::{Backends, DeviceType};
 /// Native interfaces only: wgpu's fallback to GL lacks what compute needs.
 const BACKENDS: Backends = Backends::PRIMARY;
 
-/// A graphics adapter, or a program that stands in for one.
+/// A graphics adapter, or a software one.
 #[derive(Debug, Clone)]
 pub struct Adapter {
-    /// What its driver calls it.
+    /// Its name according to the driver.
     pub name: String,
     /// The interface: Vulkan, Metal or Dx12.
     pub interface: String,

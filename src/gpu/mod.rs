@@ -1,7 +1,6 @@
-//! Compute on a graphics adapter: which adapter, buffers, shader stages, and what may go wrong with them. Knows nothing
-//! of light.
+//! Compute on a graphics adapter: which adapter, buffers, shader stages, and their errors. It contains no optics.
 //!
-//! An error that the driver reports while work is recorded (too little memory, a lost device) is kept and comes out of
+//! An error that the driver reports while work is recorded (too little memory, a lost device) is kept and returned by
 //! the next [`Gpu::submit`] or [`Gpu::read`]: nothing panics.
 
 mod adapter;
@@ -41,7 +40,7 @@ impl Gpu {
         let trouble = Arc::new(Mutex::new(None));
         let keep = |trouble: &Arc<Mutex<Option<String>>>| {
             let trouble = Arc::clone(trouble);
-            // The first report tells the cause, later ones its consequences.
+            // The first report states the cause, later ones its consequences.
             move |report: String| _ = lock(&trouble).get_or_insert(report)
         };
         let (failed, lost) = (keep(&trouble), keep(&trouble));
@@ -50,7 +49,7 @@ impl Gpu {
         Self { adapter, device, queue, stages: Mutex::default(), trouble }
     }
 
-    /// What this device is.
+    /// The adapter of this device.
     pub fn adapter(&self) -> &Adapter {
         &self.adapter
     }
@@ -156,7 +155,7 @@ impl Gpu {
         Recording::new(&self.device, &self.queue)
     }
 
-    /// Gives the device up; whatever is asked of it afterwards is an error.
+    /// Destroys the device; every later use is an error.
     pub fn destroy(&self) {
         self.device.destroy();
         lock(&self.trouble).get_or_insert("the device was destroyed".into());
@@ -181,7 +180,7 @@ fn reason(error: &wgpu::Error) -> String {
     }
 }
 
-/// The value behind a lock; a thread that panicked with it in hand leaves a whole value.
+/// The value behind a lock, which is valid even if a thread panicked while it held the lock.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -34,7 +34,7 @@ impl Recording {
         self.dispatch_groups(stage, parameters, buffers, invocations.div_ceil(WORKGROUP));
     }
 
-    /// Runs `stage` with at least `groups` workgroups, which number themselves along x, then y.
+    /// Runs `stage` with at least `groups` workgroups, numbered along x, then y.
     pub fn dispatch_groups<P: Pod>(
         &mut self,
         stage: &Stage,

@@ -39,7 +39,7 @@ impl Bottom {
         Ok(Self { depth, reflectance })
     }
 
-    /// A medium without end.
+    /// No bottom: the medium is infinitely deep.
     pub const NONE: Self = Self { depth: f64::INFINITY, reflectance: 0.0 };
 
     /// The same without its light.
@@ -54,7 +54,7 @@ impl Bottom {
 }
 
 /// Least absorbed share 1 - omega of scattered light: where k is 0 the exponentials coincide. It costs 1e-5 of the light
-/// that a conservative medium without end gives back, and 1e-10 of that of a finite one.
+/// that an infinite conservative medium returns, and 1e-10 of that of a finite one.
 const LEAST_ABSORBED: f64 = 1e-10;
 
 /// Where k mu0 is this close to 1, the light's direction is moved by as much: alpha has a pole there, which A and C
@@ -75,7 +75,7 @@ impl Exponential {
     }
 }
 
-/// All that the approximation asks of a phase function: its mean cosine.
+/// The phase function of the scaled medium. The approximation needs only its mean cosine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeanCosine(pub f64);
 
@@ -121,7 +121,7 @@ impl DiffuseField {
         let c = (rows[0][0] * right[1] - right[0] * rows[1][0]) / determinant;
 
         let falling = |coefficient, rate| Exponential { coefficient, offset: 0.0, rate };
-        // From a bottom that is infinitely far nothing rises.
+        // No light comes up from an infinitely deep bottom.
         let rising = |coefficient| match offset.is_finite() {
             true => Exponential { coefficient, offset, rate: -rate },
             false => falling(0.0, 0.0),

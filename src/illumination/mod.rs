@@ -1,10 +1,10 @@
-//! Light that falls into the medium: the veil that it scatters to the camera, and what it lends to objects.
+//! Light that falls into the medium: the veil that it scatters to the camera, and the light that it gives to objects.
 //!
 //! The medium is plane-parallel: flat, index-matched, endless sideways, lit from above by parallel light. Depth h is
 //! measured from its surface along the inward normal, mu0 and mu are the cosines of the light's and of the ray's
-//! direction to it. Objects cast no shadows into the medium and send no light from one to another. The veil is light that
-//! has met no object, as what objects send out is the filter's; so its I0 and I1 are those above a black bottom, while E
-//! has those above the bottom as it is.
+//! direction to it. Objects cast no shadows into the medium and do not light one another. The veil is light that
+//! has met no object, since the filter computes the light of objects. So its I0 and I1 are those above a black bottom, while
+//! E has those above the real bottom.
 //!
 //! ```text
 //! veil(z)  = ∫_0^z exp(-sigma_t' t) J(mu t) dt                                       along the ray
@@ -15,11 +15,11 @@
 //!
 //! The diffuse radiance I0 + I1 cos is that of the delta-Eddington approximation (Joseph, Wiscombe and Weinman, J.
 //! Atmos. Sci. 33, 2452, 1976; [`DiffuseField`]), primes mark its coefficients: light in the forward peak, the share g²
-//! of what is scattered, goes on as if it were not. J is its source function, in which single scattering is exact
+//! of what is scattered, continues as if unscattered. J is its source function, in which single scattering is exact
 //! (Nakajima and Tanaka, J. Quant. Spectrosc. Radiat. Transfer 40, 51, 1988, their TMS method). So the veil is a sum
 //! of exponentials in closed form.
 //!
-//! `docs/synthesis.md` has how far this is from light traced without approximations.
+//! `docs/synthesis.md` compares this with light traced without approximations.
 
 mod diffuse;
 mod object;

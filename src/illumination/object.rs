@@ -1,4 +1,4 @@
-//! What a Lambertian object sends out under the light that reaches it through the medium.
+//! The radiance of a Lambertian object under the light that reaches it through the medium.
 
 use super::PlaneParallel;
 use crate::geometry::Geometry;
@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 /// How an object lies in parallel light.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shading {
-    /// As the slopes of its depth map say, without shadows.
+    /// Shaded according to the slopes of its depth map, without shadows.
     FromDepth,
     /// The share of the light's irradiance that each pixel has in clear air: the cosine, or 0 in a shadow.
     Map(Image),
@@ -45,7 +45,7 @@ fn normals(geometry: &Geometry) -> Vec<DVec3> {
         let (x, y) = (i % geometry.width, i / geometry.width);
         let along = geometry.object_distance(x, y).map_or(0.0, |d| geometry.along_axis(x, y, d));
         let [slope_x, slope_y] = slopes.as_ref().map_or([0.0; 2], |s| s[i].map(f64::from));
-        // P = D · axis ray (x, y, 1) in a perspective view; parallel rays move P sideways by a pixel alone.
+        // P = D · axis ray (x, y, 1) in a perspective view; with parallel rays P moves sideways, by one pixel.
         let ray = geometry.ray_direction(x, y);
         let ray = ray / ray.z;
         let pitch = geometry.pixel_pitch(along);

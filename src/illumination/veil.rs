@@ -17,7 +17,7 @@ pub struct PlaneParallel {
     medium: Medium,
     /// Without light from the bottom: the veil is light that has met no object.
     field: DiffuseField,
-    /// With it: what lights objects.
+    /// With light from the bottom: what lights objects.
     lit: DiffuseField,
 }
 

@@ -1,4 +1,4 @@
-//! Files in and out: EXR images by name of channel, PNG pictures, and writing that never loses what was there.
+//! Files in and out: EXR images by name of channel, PNG pictures, and writing that never destroys an old file.
 
 pub mod atomic;
 pub mod colour;

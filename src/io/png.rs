@@ -1,4 +1,4 @@
-//! 8-bit PNG pictures of linear images, for eyes only: the numbers stay in the EXR files.
+//! 8-bit PNG pictures of linear images, for viewing only: the numbers are in the EXR files.
 //!
 //! One channel becomes gray, three become R, G, B; see [`colour`](super::colour) for the transfer curve.
 

@@ -1,5 +1,5 @@
-//! Experiments with the library: how well it estimates, and how its kernels agree with traced light. The core knows nothing of
-//! them.
+//! Experiments with the library: how well it estimates, and how its kernels agree with traced light. The rest of the
+//! library does not use them.
 //!
 //! | module | what it holds |
 //! | --- | --- |

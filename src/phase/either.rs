@@ -26,8 +26,8 @@ impl Family {
     }
 }
 
-/// Asks the phase function of whichever family.
-macro_rules! ask {
+/// Calls the phase function of either family.
+macro_rules! delegate {
     ($either:expr, $phase:ident => $answer:expr) => {
         match $either {
             Phase::Gaussian($phase) => $answer,
@@ -50,65 +50,65 @@ impl From<HenyeyGreenstein> for Phase {
 
 impl PhaseFunction for Phase {
     fn family(&self) -> Family {
-        ask!(self, phase => phase.family())
+        delegate!(self, phase => phase.family())
     }
 
     fn parameter(&self) -> f64 {
-        ask!(self, phase => phase.parameter())
+        delegate!(self, phase => phase.parameter())
     }
 
     fn eval(&self, cos_theta: f64) -> f64 {
-        ask!(self, phase => phase.eval(cos_theta))
+        delegate!(self, phase => phase.eval(cos_theta))
     }
 
     #[inline]
     fn sample(&self, uniform: &mut impl FnMut() -> f32) -> [f32; 4] {
-        ask!(self, phase => phase.sample(uniform))
+        delegate!(self, phase => phase.sample(uniform))
     }
 
     fn mean_cosine(&self) -> f64 {
-        ask!(self, phase => phase.mean_cosine())
+        delegate!(self, phase => phase.mean_cosine())
     }
 
     fn planar_transform(&self, q: f64) -> f64 {
-        ask!(self, phase => phase.planar_transform(q))
+        delegate!(self, phase => phase.planar_transform(q))
     }
 
     fn planar_transform_derivative(&self, q: f64) -> f64 {
-        ask!(self, phase => phase.planar_transform_derivative(q))
+        delegate!(self, phase => phase.planar_transform_derivative(q))
     }
 
     fn mean_planar_transform(&self, q: f64) -> f64 {
-        ask!(self, phase => phase.mean_planar_transform(q))
+        delegate!(self, phase => phase.mean_planar_transform(q))
     }
 
     fn mean_planar_transform_derivative(&self, q: f64) -> f64 {
-        ask!(self, phase => phase.mean_planar_transform_derivative(q))
+        delegate!(self, phase => phase.mean_planar_transform_derivative(q))
     }
 
     fn planar_width(&self) -> f64 {
-        ask!(self, phase => phase.planar_width())
+        delegate!(self, phase => phase.planar_width())
     }
 
     fn planar_width_derivative(&self) -> f64 {
-        ask!(self, phase => phase.planar_width_derivative())
+        delegate!(self, phase => phase.planar_width_derivative())
     }
 
     fn planar_second_moment(&self) -> Option<f64> {
-        ask!(self, phase => phase.planar_second_moment())
+        delegate!(self, phase => phase.planar_second_moment())
     }
 
     fn single_scatter_psf(&self, r: f64, z: f64) -> f64 {
-        ask!(self, phase => phase.single_scatter_psf(r, z))
+        delegate!(self, phase => phase.single_scatter_psf(r, z))
     }
 
     fn single_scatter_encircled(&self, r: f64, z: f64) -> f64 {
-        ask!(self, phase => phase.single_scatter_encircled(r, z))
+        delegate!(self, phase => phase.single_scatter_encircled(r, z))
     }
 }
 
 impl fmt::Display for Phase {
-    /// As pictures are headed: by the spread angle, to a thousandth of a degree, or g.
+    /// As in titles of pictures: the spread angle, to a thousandth of a degree, or g.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Phase::Gaussian(phase) => {

@@ -15,6 +15,7 @@ use std::str::FromStr;
 
 /// A family of phase functions.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Family {
     /// [`Gaussian`](super::Gaussian), of width B.
     #[default]
@@ -51,7 +52,7 @@ impl Family {
         }
     }
 
-    /// Whether there is a phase function of this parameter, even if it is wider than [`phase`](Self::phase) takes.
+    /// Whether there is a phase function of this parameter, even if it is wider than [`phase`](Self::phase) accepts.
     pub fn allows(self, parameter: f64) -> bool {
         match self {
             Family::Gaussian => parameter.is_finite() && parameter > 0.0,
@@ -59,7 +60,7 @@ impl Family {
         }
     }
 
-    /// What [`allows`](Self::allows) asks, in words.
+    /// What [`allows`](Self::allows) requires, in words.
     pub fn allowed(self) -> &'static str {
         match self {
             Family::Gaussian => "finite and above 0",

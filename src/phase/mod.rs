@@ -4,7 +4,7 @@
 //! mean cosine of a forward-scattering medium is positive. `eval` is normalised as in Shinya et al.,
 //! (1/4pi) ∫ p dOmega = 1; `pdf` = p / 4pi is the density per steradian.
 //!
-//! Small-angle theory needs the *planar* phase function, the same one laid out on the plane of slopes s, through
+//! Small-angle theory needs the *planar* phase function, which is the same function of the slopes s in a plane, through
 //! its transform Phat(q) and the mean of that over the path,
 //! F(q) = (1/q) ∫_0^q Phat(t) dt, since sigma_s ∫_0^z Phat(k u) du = sigma_s z F(k z).
 
@@ -18,7 +18,7 @@ pub use family::Family;
 pub use gaussian::{Gaussian, b_of_spread_angle, encircled_erfc, mean_gaussian, mean_gaussian_slope};
 pub use henyey_greenstein::HenyeyGreenstein;
 
-/// What the tracer and the spread kernels need to know of a phase function.
+/// What the tracer and the spread kernels need of a phase function.
 pub trait PhaseFunction: Send + Sync + std::fmt::Debug {
     /// The family that it belongs to.
     fn family(&self) -> Family;

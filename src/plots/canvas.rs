@@ -21,7 +21,7 @@ const FAMILY: &str = "sans-serif";
 pub(super) const INK: RGBColor = RGBColor(30, 30, 30);
 
 /// Colours of lines, after Okabe and Ito (2008), without their yellow, which is faint on white; then grey, and two more
-/// that are dark enough to be told from these by their lightness.
+/// that are dark enough to differ from these in lightness.
 pub(super) const PALETTE: [RGBColor; 10] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),

@@ -9,7 +9,7 @@ use plotters::coord::Shift;
 use plotters::prelude::{DrawingArea, DrawingBackend, PathElement, RGBColor, Rectangle, Text};
 use plotters::style::Color;
 
-/// Numbers beside a bar, at most.
+/// Largest count of numbers beside a bar.
 pub(super) const BAR_TICKS: usize = 5;
 
 const TICK_PX: f64 = 14.0;

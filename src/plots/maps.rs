@@ -44,7 +44,7 @@ pub struct Map {
 /// Maps that share their vertical axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MapRow {
-    /// Quantity and unit of the vertical axis, and what tells this row from others.
+    /// Quantity and unit of the vertical axis, and what distinguishes this row from others.
     pub label: String,
     /// From left to right.
     pub maps: Vec<Map>,
@@ -63,7 +63,7 @@ pub struct MapGrid {
     pub x: Range<f64>,
     /// The vertical axis, from the bottom.
     pub y: Range<f64>,
-    /// Where a vertical line parts every map.
+    /// Where a vertical line divides every map.
     pub parted_at: Option<f64>,
     /// How values become colours, in all maps.
     pub shade: Shade,

@@ -1,7 +1,7 @@
-//! Pictures for people: line charts, maps and panels of images, in colours that colour-blind readers can tell apart.
+//! Pictures for people: line charts, maps and panels of images, in colours that colour-blind readers can distinguish.
 //!
 //! The font is compiled in ([DejaVu Sans](https://dejavu-fonts.github.io/), its licence beside it), so that pictures
-//! come out the same on every machine.
+//! are the same on every machine.
 
 mod canvas;
 mod chart_grid;

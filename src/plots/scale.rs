@@ -3,7 +3,7 @@
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use std::ops::Range;
 
-/// More labels than this crowd an axis.
+/// Largest number of labels on an axis.
 const MAX_TICKS: usize = 9;
 
 /// From a value to its place on an axis.
@@ -84,7 +84,7 @@ impl Scale {
         if wide || !(1e-2..1e5).contains(&largest) {
             return scientific(value);
         }
-        // Decimals that tell apart neighbours at the finest step.
+        // Enough decimals to distinguish neighbours at the finest step.
         let step = if self.log { value } else { round_step((self.high - self.low) / MAX_TICKS as f64) };
         let decimals = (-(step * 1.0001).log10().floor()).clamp(0.0, 6.0) as usize;
         format!("{value:.decimals$}").replace('-', "−")

@@ -14,7 +14,7 @@ const BROAD: RGBColor = RGBColor(150, 150, 150);
 /// Length of the line that stands for a series in the legend, px.
 const SAMPLE_PX: i32 = 40;
 
-/// The uncertainty of a series, one standard error a point, drawn to either side.
+/// The uncertainty of a series, one standard error per point, drawn to either side.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Spread {
     /// None is drawn.

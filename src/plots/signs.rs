@@ -1,4 +1,4 @@
-//! Signs for points that have to be told apart by more than their colour.
+//! Signs for points that differ in more than their colour.
 
 use plotters::coord::CoordTranslate;
 use plotters::prelude::{
@@ -6,7 +6,7 @@ use plotters::prelude::{
 };
 use plotters::style::{Color, ShapeStyle};
 
-/// Radius of a disk, px; other shapes have about its area.
+/// Radius of a disk, px; other outlines have about the same area.
 const RADIUS: i32 = 5;
 
 /// The outline of a sign.

@@ -76,19 +76,19 @@ impl<'a> DepthMap<'a> {
     }
 }
 
-/// Standard deviation of the noise of a depth map, from the median second difference along its rows: slopes do not
-/// count in it, edges hardly.
+/// Standard deviation of the noise of a depth map, from the median second difference along its rows, on which
+/// slopes have no influence and edges little.
 fn noise(depth: &[f64], width: usize) -> f64 {
-    let bends: Vec<f64> = depth
+    let second_differences: Vec<f64> = depth
         .chunks(width)
         .flat_map(|row| row.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()))
-        .filter(|bend| bend.is_finite())
+        .filter(|d| d.is_finite())
         .collect();
-    if bends.is_empty() {
+    if second_differences.is_empty() {
         return 0.0;
     }
-    // The median of |x| is .6745 standard deviations of a normal x, and a second difference has variance 1 + 4 + 1.
-    median(bends) / (0.6745 * 6.0_f64.sqrt())
+    // The median of |x| is 0.6745 standard deviations of a normal x, and a second difference has variance 1 + 4 + 1.
+    median(second_differences) / (0.6745 * 6.0_f64.sqrt())
 }
 
 #[cfg(test)]

@@ -1,50 +1,50 @@
 //! The relief of an object: its slopes, and the depth edges at which a near surface covers a far one.
 //!
-//! Eq. 29 of Shinya et al. lets the light of every object pixel spread freely. What it leaves out is told apart here,
+//! Eq. 29 of Shinya et al. lets the light of every object pixel spread freely. What it leaves out is found here,
 //! from the geometry alone:
 //!
-//! - **Slopes.** Within a surface nothing hides anything, but paths that run along the slope of the geometric depth
-//!   d meet it at another rate: each pixel has its own [`slope`](Slopes).
-//! - **Screens.** Across an edge the near surface stops the light of what lies behind it. A few depths, the
-//!   [`screens`](Relief::screens), stand for all edges; at each of them some pixels are opaque.
-//! - **Hidden light.** What lies behind opaque pixels is known from further layers, or not at all: then it is supposed
-//!   to go on as it is on the far side of the edge, and what it may send counts as hidden.
+//! - **Slopes.** Within a surface nothing is occluded, but oblique paths meet a sloping surface at another rate: each
+//!   pixel has its own [`slope`](Slopes), from which the filter computes a slope correction.
+//! - **Occluders.** Across an edge the near surface blocks the light of what lies behind it. A few depths, the occluders
+//!   ([`occluders`](Relief::occluders)), represent all edges. At each of them some pixels are opaque.
+//! - **Hidden light.** What lies behind opaque pixels is known from further layers, or not at all. Then its depth is
+//!   inpainted from the far side of the edge, and the light that it may send counts as hidden.
 //!
 //! Two neighbouring pixels belong to one surface unless their depths differ by more than
 //! [`EDGE_PITCHES`](crate::geometry::EDGE_PITCHES) pixel lengths, and by more than eight times the depth map's own
 //! noise (`map`).
 
+mod front;
 mod map;
-mod peel;
-mod screens;
+mod occluders;
 
 use crate::geometry::{Camera, Field, Geometry, median};
+use front::Front;
 use map::DepthMap;
-use peel::Front;
 
 /// Slope along x and y of the depth along the camera's axis at every pixel of a layer, length per pixel.
 pub type Slopes = Vec<[f32; 2]>;
 
-/// A depth at which near surfaces cover what lies behind.
+/// An occluder: a depth at which near surfaces cover what lies behind.
 #[derive(Debug, Clone)]
-pub struct Screen {
-    /// Depth along the camera's axis: what lies beyond must pass the screen.
+pub struct Occluder {
+    /// Depth along the camera's axis: light from beyond must pass the occluder.
     pub depth: f64,
-    /// Path length in the medium to the screen, along the camera's axis: one for all pixels.
+    /// Path length in the medium to the occluder, along the camera's axis: one for all pixels.
     pub z: f64,
     /// Whether a pixel (row-major over the object image) lets no light pass.
     pub opaque: Vec<bool>,
-    /// Distance of what is supposed, but not known, to lie behind each opaque pixel; 0 elsewhere.
+    /// Inpainted distance behind each opaque pixel where no layer is known; 0 elsewhere.
     pub hidden: Field,
 }
 
-/// Slopes and screens of an object.
+/// Slopes and occluders of an object.
 #[derive(Debug, Clone)]
 pub struct Relief {
     /// Slopes of the object and of each further layer; `None` for a layer without any.
     pub slopes: Vec<Option<Slopes>>,
-    /// From near to far.
-    pub screens: Vec<Screen>,
+    /// The occluders, from near to far.
+    pub occluders: Vec<Occluder>,
 }
 
 impl Relief {
@@ -54,32 +54,31 @@ impl Relief {
         let facing =
             matches!((geometry.camera, &geometry.depth), (Camera::Orthographic { .. }, Field::Uniform(_)));
         if facing && geometry.behind.is_empty() {
-            return Self { slopes: vec![None], screens: Vec::new() };
+            return Self { slopes: vec![None], occluders: Vec::new() };
         }
         let maps: Vec<DepthMap> = fields().map(|field| DepthMap::new(geometry, field)).collect();
         let slopes = maps.iter().map(DepthMap::slopes).collect();
         let mut front = Front::new(&maps);
-        let mut screens = Vec::new();
-        for depth in screens::depths(&maps) {
-            let (opaque, hidden) = front.peel(depth);
+        let mut occluders = Vec::new();
+        for depth in occluders::depths(&maps) {
+            let (opaque, hidden) = front.remove_before(depth);
             if opaque.contains(&true) {
-                screens.push(screen(&maps[0], depth, opaque, hidden));
+                occluders.push(occluder(&maps[0], depth, opaque, hidden));
             }
         }
-        settle_path_lengths(&mut screens, &maps);
-        Self { slopes, screens }
+        settle_path_lengths(&mut occluders, &maps);
+        Self { slopes, occluders }
     }
 
     /// Whether every pixel's light spreads freely, as eq. 29 has it.
     pub fn is_flat(&self) -> bool {
-        self.screens.is_empty() && self.slopes.iter().all(Option::is_none)
+        self.occluders.is_empty() && self.slopes.iter().all(Option::is_none)
     }
 
-    /// Whether some light may come from what no image shows.
+    /// Whether some light may come from surfaces that no image shows.
     pub fn hides(&self) -> bool {
-        let any =
-            |screen: &Screen| matches!(&screen.hidden, Field::Map(map) if map.data.iter().any(|&d| d > 0.0));
-        self.screens.iter().any(any)
+        let any = |occluder: &Occluder| matches!(&occluder.hidden, Field::Map(map) if map.data.iter().any(|&d| d > 0.0));
+        self.occluders.iter().any(any)
     }
 }
 
@@ -88,23 +87,23 @@ pub(crate) fn surface_slopes(geometry: &Geometry) -> Option<Slopes> {
     DepthMap::new(geometry, &geometry.depth).slopes()
 }
 
-/// The screen at `depth`; its path length is the median over its opaque pixels.
-fn screen(map: &DepthMap, depth: f64, opaque: Vec<bool>, hidden: Field) -> Screen {
+/// The occluder at `depth`; its path length is the median over its opaque pixels.
+fn occluder(map: &DepthMap, depth: f64, opaque: Vec<bool>, hidden: Field) -> Occluder {
     let covered = (0..opaque.len()).filter(|&i| opaque[i]);
     let z = median(covered.map(|i| map.path_length(i, depth)).collect());
-    Screen { depth, z, opaque, hidden }
+    Occluder { depth, z, opaque, hidden }
 }
 
-/// Under an uneven surface of the medium, a screen's path length may exceed that of something behind it; light does
-/// not gain on its way, so the shorter one then stands for both.
-fn settle_path_lengths(screens: &mut [Screen], maps: &[DepthMap]) {
+/// Under an uneven surface of the medium, an occluder's path length may exceed that of something behind it. Light cannot
+/// gain on its way, so the shorter one is then used for both.
+fn settle_path_lengths(occluders: &mut [Occluder], maps: &[DepthMap]) {
     let mut beyond = f64::INFINITY;
-    for screen in screens.iter_mut().rev() {
+    for occluder in occluders.iter_mut().rev() {
         for map in maps {
             let behind =
-                |(i, &d): (usize, &f64)| (d > screen.depth && d.is_finite()).then(|| map.path_length(i, d));
+                |(i, &d): (usize, &f64)| (d > occluder.depth && d.is_finite()).then(|| map.path_length(i, d));
             beyond = map.depth.iter().enumerate().filter_map(behind).fold(beyond, f64::min);
         }
-        screen.z = screen.z.min(beyond);
+        occluder.z = occluder.z.min(beyond);
     }
 }

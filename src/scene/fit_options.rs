@@ -33,7 +33,7 @@ fn channel_options(channel: ChannelOf, section: &FitSection, family: Family) -> 
     let read = |name: &str, of: Of, given: Given| Reader { channel, family, name, of }.options(given);
     let sigma_s = Given { start: start.sigma_s, fixed: fixed.sigma_s, bounds: bounds.sigma_s };
     let sigma_a = Given { start: start.sigma_a, fixed: fixed.sigma_a, bounds: bounds.sigma_a };
-    // Of B and g the one that is not the family's is refused before.
+    // Whichever of B and g does not belong to the family has been refused.
     let phase =
         Given { start: start.b.or(start.g), fixed: fixed.b.or(fixed.g), bounds: bounds.b.or(bounds.g) };
     Ok(FitOptions {
@@ -59,7 +59,7 @@ struct Given {
     bounds: Option<Pairs>,
 }
 
-/// Reads what is asked of one parameter of one channel.
+/// Reads the options of one parameter of one channel.
 struct Reader<'a> {
     channel: ChannelOf<'a>,
     family: Family,
@@ -71,7 +71,7 @@ impl Reader<'_> {
     fn options(&self, Given { start, fixed, bounds }: Given) -> Result<ParameterOptions> {
         let key = self.key("start");
         let start = self.value("start", start)?.map(|v| self.check(&key, v)).transpose()?;
-        // A parameter that is held may be 0 even if its logarithm would be fitted; a phase function has no width 0.
+        // A fixed parameter may be 0 even if its logarithm would be fitted, except the width of a phase function.
         let key = self.key("fixed");
         let allowed = |v| match self.of {
             Of::Phase => self.check(&key, v),
@@ -116,7 +116,9 @@ impl Reader<'_> {
         match self.of {
             Of::SigmaS => self.channel.source.positive(key, value),
             Of::SigmaA => self.channel.source.non_negative(key, value),
-            Of::Phase => self.channel.source.in_range(key, value, self.family.allows(value), self.family.allowed()),
+            Of::Phase => {
+                self.channel.source.in_range(key, value, self.family.allows(value), self.family.allowed())
+            }
         }
     }
 }

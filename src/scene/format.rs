@@ -197,7 +197,7 @@ fn number(value: &Value) -> Option<f64> {
     }
 }
 
-/// The array's items, if there are `N` and all are what `item` looks for.
+/// The array's items, if there are `N` and `item` accepts all of them.
 fn array<const N: usize, T>(value: &Value, item: impl Fn(&Value) -> Option<T>) -> Option<[T; N]> {
     value.as_array()?.iter().map(item).collect::<Option<Vec<T>>>()?.try_into().ok()
 }
@@ -270,7 +270,7 @@ pub(super) fn parse<T: DeserializeOwned>(source: &Source) -> Result<T> {
         let line = e.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
         source.error(format!("line {line}: {}", e.message().trim()))
     })?;
-    // Without the text, the error's own wording names the table of the key; it may run over several lines.
+    // Without the text, the error's own message names the table of the key; it may span several lines.
     let worded =
         |e: toml::de::Error| source.error(e.to_string().split_whitespace().collect::<Vec<_>>().join(" "));
     Value::Table(table).try_into().map_err(worded)

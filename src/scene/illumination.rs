@@ -1,4 +1,4 @@
-//! `[illumination]`, and the object that lies in its light.
+//! `[illumination]`, and the object that it lights.
 
 use super::format::{IlluminationSection, ObjectSection};
 use super::images::{ObjectImage, check_pixels, check_radiance, check_size};
@@ -41,7 +41,7 @@ fn read_shading(path: PathBuf, object: &ObjectImage) -> Result<Shading> {
     Ok(Shading::Map(channel.image))
 }
 
-/// Reads `[illumination]` of `scene`; `lit`: whether it lends the object its light.
+/// Reads `[illumination]` of `scene`; `lit`: whether it lights the object.
 pub(super) fn read_illumination(
     source: &Source,
     section: Option<&IlluminationSection>,
@@ -119,7 +119,7 @@ fn parallel(
     Ok(Illumination::Parallel { sun, irradiance, bottom })
 }
 
-/// By which share of the bottom's depth an object may lie below it: roundings of f32 depth maps, and a depth typed in.
+/// Relative depth by which an object may lie below the bottom: rounding of f32 depth maps and of depths typed in.
 const BELOW_BOTTOM: f64 = 1e-3;
 
 /// Refuses rays that never enter the medium through the light's surface, and objects below the bottom.

@@ -8,7 +8,7 @@ use crate::image::{Channel, Image};
 use crate::io::exr::ExrFile;
 use std::path::{Path, PathBuf};
 
-/// An image whose size others must have.
+/// An image that determines the size of others.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Frame<'a> {
     /// Its file.

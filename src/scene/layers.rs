@@ -1,4 +1,4 @@
-//! `[[object.layer]]`: what is known to lie behind the object, nearest first.
+//! `[[object.layer]]`: known surfaces behind the object, nearest first.
 
 use super::format::{DepthKind, ObjectSection};
 use super::images::{ObjectImage, along_rays, check_radiance, depth};

@@ -130,7 +130,7 @@ pub(super) struct ChannelOf<'a> {
 }
 
 impl ChannelOf<'_> {
-    /// What `numbers` say for this channel.
+    /// The value of `numbers` for this channel.
     pub fn value(&self, key: &str, numbers: Option<Numbers>) -> Result<Option<f64>> {
         match numbers {
             None => Ok(None),

@@ -1,4 +1,4 @@
-//! `[observation]`: which part of the object is seen, and what was seen there.
+//! `[observation]`: which part of the object is seen, and the image of it.
 
 use super::format::{NumberOrFree, ObservationSection, VeilValue};
 use super::images::{Frame, check_pixels, check_size};
@@ -85,7 +85,7 @@ fn seen_size(path: &Path, object: (usize, usize)) -> Result<(usize, usize)> {
     Ok(size)
 }
 
-/// Reads and checks all that a fit needs to know of the observation of `scene`. `observed` is what reading
+/// Reads and checks all that a fit needs of the observation of `scene`. `observed` is what reading
 /// its image gave, `None` if it names none.
 pub(super) fn read_observation(
     source: &Source,
@@ -157,7 +157,9 @@ fn read_registration(source: &Source, name: Option<&str>) -> Result<Registration
         Some("shift") => Ok(Registration::Shift),
         Some(other) => {
             let known = "none, shift";
-            Err(source.error(format!("[observation] registration: unknown registration {other}; known are {known}")))
+            Err(source.error(format!(
+                "[observation] registration: unknown registration {other}; known are {known}"
+            )))
         }
     }
 }
@@ -184,7 +186,7 @@ fn read_veil(path: PathBuf, names: &[&str], observed: &Frame, mask: Option<&Imag
     Ok(veil)
 }
 
-/// Sets excluded pixels that are not finite to 0, so that they harm no sum in which their weight is 0.
+/// Sets excluded pixels that are not finite to 0, so that they do not affect sums in which their weight is 0.
 fn blank(channel: &mut Channel, mask: &Image) {
     for (value, &counts) in channel.image.data.iter_mut().zip(&mask.data) {
         let counted = counts > 0.0;

@@ -74,7 +74,7 @@ impl LitScene {
     }
 }
 
-/// How the part of the object image that is seen follows from `[observation]`.
+/// Finds the part of the object image that is seen from `[observation]`.
 type ViewRule = fn(&Source, Option<&ObservationSection>, (usize, usize)) -> Result<View>;
 
 /// A scene file whose keys are known.
@@ -92,7 +92,7 @@ impl<'a> Reader<'a> {
         Ok(Self { source, file, camera })
     }
 
-    /// What every kind of scene needs to know.
+    /// What every kind of scene needs.
     fn scene(&self, object: ObjectImage, view: ViewRule) -> Result<Scene> {
         let (source, section) = (&self.source, &self.file.object);
         let channels = object.channels.len();

@@ -1,10 +1,10 @@
 //! `[observation] variance`: the variance of each pixel, known or estimated.
 //!
 //! Channels of the observation's own names (`Y`, or `R`, `G`, `B`) are variances that are known. `Y.variance` and so on, as
-//! `narrowbeam trace` writes them, were estimated from the samples that made the image, and go with its noise: pixels that came
-//! out bright came out with a large variance, so least squares would trust the dark ones more, and its estimate be off by about
-//! sqrt(pixels / samples) times the skewness of a sample, in standard errors. The mean over a pixel's neighbours knows nothing
-//! of the pixel's own noise, and takes the place of such an estimate.
+//! `narrowbeam trace` writes them, were estimated from the samples that made the image, and are correlated with its noise: a pixel that
+//! is bright by chance also has a large estimated variance. Least squares would give dark pixels too much weight, and the
+//! estimate would be off by about sqrt(pixels / samples) times the skewness of a sample, in standard errors. So such an
+//! estimate is replaced by the mean over the pixel's neighbours, which is independent of the pixel's own noise.
 
 use super::images::{Frame, check_pixels};
 use crate::error::Result;
@@ -12,7 +12,7 @@ use crate::image::{Channel, Image};
 use crate::io::exr::ExrFile;
 use std::path::Path;
 
-/// Largest variance that is believed, the square of the largest radiance, and the inverse of the least.
+/// Largest variance that is accepted, the square of the largest radiance, and the inverse of the smallest.
 const LARGEST: f32 = 1e30;
 
 /// The variance of each pixel of the channels `names` of the observed image `observed`; 1 where the

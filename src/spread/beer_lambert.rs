@@ -1,4 +1,4 @@
-//! `beer-lambert`: direct light only. Determines sigma_t, and nothing else.
+//! `beer-lambert`: direct light only. Determines sigma_t only.
 
 use super::{Dual, SpreadKernel};
 use crate::medium::Medium;

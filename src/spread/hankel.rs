@@ -7,7 +7,7 @@ use crate::quadrature::integrate;
 use libm::{j0, j1};
 use std::f64::consts::PI;
 
-/// Intervals between zeros after which the sum is taken as it stands.
+/// Intervals between zeros after which summation stops.
 const MOST_INTERVALS: usize = 4000;
 /// Partial sums given to the extrapolation.
 const EXTRAPOLATED: usize = 24;

@@ -9,36 +9,32 @@
 //! | model | scattered transfer function | source | where it is valid |
 //! | --- | --- | --- | --- |
 //! | `beer-lambert` | 0 | Beer-Lambert law | scattered light under the noise |
-//! | `single-scatter` | T tau F(kz) | Shinya et al., eq. 25 with its prefactor mended | tau ≪ 1 |
+//! | `single-scatter` | T tau F(kz) | Shinya et al., eq. 25 with its prefactor corrected | tau ≪ 1 |
 //! | `gaussian` | phi exp(-k² R / (4 phi)), R exact | moment matching | tau ≫ 1, small angles |
-//! | `narrow-beam-printed` | phi F(k beta/2), R of eq. 21 | Shinya et al., eq. 20, 21, 26, 28, G = erfc/2 | as published; B comes out low |
+//! | `narrow-beam-printed` | phi F(k beta/2), R of eq. 21 | Shinya et al., eq. 20, 21, 26, 28, G = erfc/2 | as published; estimates of B are too low |
 //! | `narrow-beam` | phi F(k beta/2), R exact | the same kernel, exact moments | tau ≲ 2, small angles |
-//! | `small-angle` | T (exp(tau F(kz)) - 1) | Wells 1969; Ishimaru 1978, ch. 13 | tau·4B ≤ .05 to 1 % of M |
-//! | `wide-angle` | a mixture of Gaussians from a table | [`wide_angle`] | tau ≤ 12, sigma_a z ≤ 10, spread angle ≤ 60° or g ≥ .5 |
+//! | `small-angle` | T (exp(tau F(kz)) - 1) | Wells 1969; Ishimaru 1978, ch. 13 | tau·4B ≤ 0.05 to 1 % of M |
+//! | `wide-angle` | a mixture of Gaussians from a table | [`wide_angle`] | tau ≤ 12, sigma_a z ≤ 10, spread angle ≤ 60° or g ≥ 0.5 |
 //!
-//! The model `traced` has no kernel: `fit` and `render` trace the scene at hand.
+//! The model `traced` has no kernel: `fit` and `render` trace the given scene.
 //!
 //! F is the mean planar transform of the phase function ([`crate::phase`]); in the moment-matched kernels it is
-//! that of a Gaussian phase function, whatever the phase function, and beta² = 3 R / phi.
+//! that of a Gaussian phase function, even if the medium's is another, and beta² = 3 R / phi.
 
 mod beer_lambert;
 mod dual;
 mod hankel;
+mod model;
 mod moment_matched;
 mod single_scatter;
 mod small_angle;
 pub mod wide_angle;
 
-use crate::error::{Error, Result, in_range};
 use crate::medium::Medium;
-use crate::phase::{Family, PhaseFunction};
-use moment_matched::{MomentMatched, Moments, Profile, gaussian_width};
-use std::fmt;
-use std::str::FromStr;
-use wide_angle::layout::Layout;
-use wide_angle::{WideAngle, table_of};
+use crate::phase::PhaseFunction;
 
 pub use dual::Dual;
+pub use model::{Model, Range, SMALL_ANGLE_LIMIT, small_angle_error};
 pub use moment_matched::{SecondMoments, second_moments};
 
 /// The spread of one object point's light, for one medium and path length.
@@ -76,10 +72,10 @@ pub trait SpreadKernel: Send + Sync {
 
     /// N(k), 1/length, of the paths' slope s and offset r at the object: E[s exp(i k·r)] = -i (k/k²) N(k), with
     /// N = sigma_s (Phat(kz) - 1) M(k): the joint characteristic function of (r, s) has the exponent
-    /// sigma_s ∫_0^z Phat(|k u + q|) du, whose gradient in q this is at 0, for any phase function. Kernels of another
-    /// M than the exact small-angle one take the same factor.
+    /// sigma_s ∫_0^z Phat(|k u + q|) du, whose gradient in q at 0 this is, for any phase function. Kernels whose M is not
+    /// the exact small-angle one use the same factor.
     ///
-    /// In a perspective view rays diverge and s is counted from the ray to the landing point: s - r/rho, rho being the
+    /// In a perspective view rays diverge and s is relative to the ray to the landing point: s - r/rho, where rho is the
     /// distance from the camera to the object. With `nearness` = z/rho, 0 for parallel rays, Phat - 1 becomes
     /// Phat - 1 - nearness (Phat - F).
     fn mean_slope(&self, k: f64, nearness: f64) -> Dual {
@@ -88,10 +84,11 @@ pub trait SpreadKernel: Send + Sync {
         }
         let (q, sigma_s, phase) = (k * self.path_length(), self.medium().sigma_s(), self.medium().phase());
         let transform = phase.planar_transform(q);
-        let bend = transform - 1.0 - nearness * (transform - phase.mean_planar_transform(q));
-        let bend_in_b = (1.0 - nearness) * phase.planar_transform_derivative(q)
+        let correction = transform - 1.0 - nearness * (transform - phase.mean_planar_transform(q));
+        let correction_in_b = (1.0 - nearness) * phase.planar_transform_derivative(q)
             + nearness * phase.mean_planar_transform_derivative(q);
-        self.mtf(k) * Dual { value: sigma_s * bend, gradient: [bend, 0.0, sigma_s * bend_in_b] }
+        self.mtf(k)
+            * Dual { value: sigma_s * correction, gradient: [correction, 0.0, sigma_s * correction_in_b] }
     }
 
     /// Density of the scattered light at radius `r` > 0, 1/area. Most kernels grow like 1/r towards 0.
@@ -125,154 +122,12 @@ pub trait SpreadKernel: Send + Sync {
     fn width(&self) -> f64;
 }
 
-/// A share of light too small for its parts to be told from rounding.
+/// A share of light so small that its parts cannot be distinguished from rounding errors.
 const NO_LIGHT: f64 = 1e-250;
 
-/// A rung of the ladder of spread models.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Model {
-    /// Direct light only.
-    BeerLambert,
-    /// Direct light and light scattered once.
-    SingleScatter,
-    /// A Gaussian with the exact total and second moment.
-    Gaussian,
-    /// The kernel of Shinya et al. with the second moment as printed (eq. 21).
-    NarrowBeamPrinted,
-    /// The kernel of Shinya et al. with the exact second moment.
-    NarrowBeam,
-    /// The exact small-angle transfer function.
-    SmallAngle,
-    /// Right at every angle, from a table made by tracing.
-    WideAngle,
-    /// Paths traced for the scene at hand: no kernel, and none of [`ALL`](Model::ALL).
-    Traced,
-}
-
-/// What a model has kernels for.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Range {
-    /// Largest sigma_s z.
-    pub tau: f64,
-    /// Largest sigma_a z.
-    pub absorption: f64,
-    /// Least and largest parameter of the phase function, B (rad²) or g.
-    pub phase: [f64; 2],
-}
-
-/// Largest tau·4B at which small-angle theory holds to 1 % of the transfer function: max|dM| ≈ .19 tau·4B,
-/// measured against photon tracing.
-pub const SMALL_ANGLE_LIMIT: f64 = 0.05;
-
-/// The error of small-angle theory at tau·4B = `validity` in words, from that measurement.
-pub fn small_angle_error(validity: f64) -> String {
-    // Beyond, the linear law ends: the error approaches the whole of the scattered light.
-    if validity < 1.0 { format!("about {:.1} %", 19.0 * validity) } else { "more than 20 %".into() }
-}
-
-impl Model {
-    /// All models that have kernels, cheapest first.
-    pub const ALL: [Model; 7] = [
-        Model::BeerLambert,
-        Model::SingleScatter,
-        Model::Gaussian,
-        Model::NarrowBeamPrinted,
-        Model::NarrowBeam,
-        Model::SmallAngle,
-        Model::WideAngle,
-    ];
-
-    /// Name on the command line and in reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Model::BeerLambert => "beer-lambert",
-            Model::SingleScatter => "single-scatter",
-            Model::Gaussian => "gaussian",
-            Model::NarrowBeamPrinted => "narrow-beam-printed",
-            Model::NarrowBeam => "narrow-beam",
-            Model::SmallAngle => "small-angle",
-            Model::WideAngle => "wide-angle",
-            Model::Traced => "traced",
-        }
-    }
-
-    /// Whether the kernel depends on the width of the phase function.
-    pub fn spreads(self) -> bool {
-        self != Model::BeerLambert
-    }
-
-    /// Whether the kernel rests on small angles, and so ends where tau·4B is large.
-    pub fn rests_on_small_angles(self) -> bool {
-        self.spreads() && !matches!(self, Model::WideAngle | Model::Traced)
-    }
-
-    /// The media that there is a kernel for, with phase functions of `family`.
-    ///
-    /// # Errors
-    /// [`Error::NoSecondMoment`] if there are none.
-    pub fn range(self, family: Family) -> Result<Range> {
-        let everything = Range { tau: f64::INFINITY, absorption: f64::INFINITY, phase: [0.0, f64::INFINITY] };
-        match (self, family) {
-            (Model::WideAngle, family) => Ok(Layout::of(family).range()),
-            (Model::Gaussian | Model::NarrowBeamPrinted | Model::NarrowBeam, Family::HenyeyGreenstein) => {
-                Err(self.no_second_moment(family))
-            }
-            _ => Ok(everything),
-        }
-    }
-
-    fn no_second_moment(self, family: Family) -> Error {
-        Error::NoSecondMoment { model: self.name(), phase: family.to_string() }
-    }
-
-    /// The kernel of this model for `medium` after the path length `z` (length).
-    ///
-    /// # Errors
-    /// [`Error::OutOfRange`] unless `z` is finite and above 0, and beyond what the model is [made for](Model::range);
-    /// [`Error::NoKernel`] for `traced`; [`Error::NoSecondMoment`] if the model matches moments and the phase function has
-    /// none.
-    pub fn kernel(self, medium: &Medium, z: f64) -> Result<Box<dyn SpreadKernel>> {
-        in_range("z", z, z.is_finite() && z > 0.0, "finite and above 0 (length)")?;
-        let family = medium.phase().family();
-        let matched = |profile, moments| -> Result<Box<dyn SpreadKernel>> {
-            let b = gaussian_width(medium).ok_or_else(|| self.no_second_moment(family))?;
-            Ok(Box::new(MomentMatched::new(*medium, b, z, profile, moments)))
-        };
-        match self {
-            Model::BeerLambert => Ok(Box::new(beer_lambert::BeerLambert::new(*medium, z))),
-            Model::SingleScatter => Ok(Box::new(single_scatter::SingleScatter::new(*medium, z))),
-            Model::Gaussian => matched(Profile::Gaussian, Moments::Exact),
-            Model::NarrowBeamPrinted => matched(Profile::Erfc, Moments::Printed),
-            Model::NarrowBeam => matched(Profile::Erfc, Moments::Exact),
-            Model::SmallAngle => Ok(Box::new(small_angle::SmallAngle::new(*medium, z))),
-            Model::WideAngle => Ok(Box::new(WideAngle::new(table_of(family), medium, z)?)),
-            Model::Traced => Err(Error::NoKernel),
-        }
-    }
-}
-
-impl fmt::Display for Model {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-impl FromStr for Model {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self> {
-        let unknown = || Error::UnknownName {
-            what: "model",
-            name: name.to_string(),
-            known: Model::ALL.map(Model::name).join(", "),
-        };
-        Model::ALL.into_iter().find(|m| m.name() == name).ok_or_else(unknown)
-    }
-}
-
 /// Radius that holds 1 - 1/e of the light that small-angle theory scatters into the path length `z`: the root mean square
-/// radius as if the kernel were a Gaussian, or where that is infinite the radius itself, to a few percent. 0 if nothing is
-/// scattered.
+/// radius, for which the kernel is taken to be a Gaussian, or where that is infinite the radius itself, to a few percent. 0
+/// if nothing is scattered.
 pub fn typical_radius(medium: &Medium, z: f64) -> f64 {
     match second_moments(medium, z) {
         Some(moments) => {

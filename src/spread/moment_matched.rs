@@ -1,7 +1,7 @@
-//! The kernels of fixed shape: `gaussian`, `narrow-beam` and `narrow-beam-printed`.
+//! The kernels of fixed profile: `gaussian`, `narrow-beam` and `narrow-beam-printed`.
 //!
-//! Total phi = exp(-sigma_a z)(1 - exp(-sigma_s z)) (Shinya et al., eq. 20) and mean square radius m = R/phi decide
-//! a profile of one length. With y = k² m:
+//! Total phi = exp(-sigma_a z)(1 - exp(-sigma_s z)) (Shinya et al., eq. 20) and mean square radius m = R/phi fix
+//! the scale of the profile. With y = k² m:
 //!
 //! | profile | density of unit total | transform |
 //! | --- | --- | --- |
@@ -9,8 +9,8 @@
 //! | erfc (eq. 26, 28 with G = erfc/2) | erfc(r/beta) / (2 sqrt(pi) beta r), beta² = 3 m | F(x), x = k beta/2 |
 //!
 //! F(x) = sqrt(pi) erf(x)/(2x). The exact second moment is R = (4/3) sigma_s B z³ exp(-sigma_a z); the printed
-//! eq. 21 gives up to three times that in thick media, where the angle gained after the first scattering is given
-//! the lever arm z instead of the distance left.
+//! eq. 21 is up to three times as large in thick media: it multiplies the angle gained after the first scattering by z
+//! instead of the remaining distance.
 
 use super::{Dual, SpreadKernel};
 use crate::medium::Medium;
@@ -18,7 +18,7 @@ use crate::phase::{PhaseFunction, encircled_erfc, mean_gaussian, mean_gaussian_s
 use libm::erfc;
 use std::f64::consts::PI;
 
-/// The shape of the scattered light.
+/// The profile of the scattered light.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Profile {
     Gaussian,

@@ -1,7 +1,7 @@
 //! `single-scatter`: light scattered exactly once, M - T = T tau F(kz).
 //!
 //! For the Gaussian phase function Psi_1 = sigma_s exp(-sigma_t z) / (4 sqrt(pi B) r) · erfc(r / (2 z sqrt(B))), which is
-//! Shinya et al., eq. 25, with the prefactor that its derivation gives. Total T tau.
+//! Shinya et al., eq. 25, with the prefactor that follows from its derivation. Total T tau.
 
 use super::{Dual, SpreadKernel};
 use crate::medium::Medium;

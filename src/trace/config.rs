@@ -6,7 +6,7 @@ use crate::image::{Border, Image, View};
 use crate::medium::Medium;
 use crate::phase::Phase;
 
-/// What to trace. A colour object is traced a channel at a time, each with its own medium.
+/// What to trace. A colour object is traced one channel at a time, each with its own medium.
 #[derive(Debug, Clone, Copy)]
 pub struct ImageConfig<'a, P = Phase> {
     /// Camera, object distance, medium surface.
@@ -21,7 +21,7 @@ pub struct ImageConfig<'a, P = Phase> {
     pub view: View,
     /// The medium between surface and object.
     pub medium: Medium<P>,
-    /// Paths a pixel, at least 2.
+    /// Paths per pixel, at least 2.
     pub samples: u32,
     /// Seed of the random numbers. Channels and scenes that are to be independent need different ones.
     pub seed: u64,

@@ -1,17 +1,17 @@
-//! Hits: an image of a scene as the paths that make it, so that it can be made again for neighbouring media.
+//! Hits: an image of a scene as the paths that make it, which can be replayed for neighbouring media.
 //!
-//! Every pixel has paths of its own, followed to the real surface as those of [`trace_image`](super::trace_image) are, with
-//! its edges and slopes. Kept of each that meets light are n, L, its deflections and the radiance it meets; the image in
-//! another medium, with its derivatives, is their reweighted sum ([`likelihood`](super::likelihood)). The direct light is
-//! exact.
+//! Every pixel has paths of its own, followed to the real surface, with its edges and slopes, as in
+//! [`trace_image`](super::trace_image). Of each path that meets light, n, L, its deflections and the radiance that it meets
+//! are recorded. The image in another medium, with its derivatives, is the weighted sum of the replayed paths
+//! ([`likelihood`](super::likelihood)). The direct light is exact.
 //!
-//! Paths of one set of shapes, shared by all pixels, would all err alike, and no number of pixels averages that out; of own paths
-//! the errors are white. Sharing saves the drawing of the paths, not the way to the surface, and loses even at equal time
-//! (docs/wide-angle.md, tests/it/traced_shapes.rs).
+//! If all pixels shared one set of path shapes, their errors would be the same and would not average out over pixels. With
+//! separate paths the errors of pixels are independent. Sharing saves the sampling of the paths but not the search for the
+//! surface, and is less accurate even at equal time (docs/wide-angle.md, tests/it/traced_shapes.rs).
 
 use super::config::ImageConfig;
 use super::image::checked;
-use super::likelihood::{Effective, Information, Likelihood, Reweighting};
+use super::likelihood::{EffectiveSampleSize, Information, Likelihood, Replay};
 use super::rng::Stream;
 use super::scene::Tracer;
 use crate::error::{Result, in_range};
@@ -23,8 +23,8 @@ use std::ops::Range;
 /// Parts of the paths of every pixel that are independent of each other.
 pub const BATCHES: usize = 8;
 
-/// Points a pixel side, and their distance from its middle, px, at which the direct light is looked at: Gauss-Legendre, exact
-/// where T is a cubic across a pixel.
+/// Distance from the middle of a pixel, px, of the two points along each side at which the direct light is evaluated:
+/// Gauss-Legendre, exact where T is a cubic across a pixel.
 const DIRECT: [f64; 2] = [-0.288_675_134_594_812_9, 0.288_675_134_594_812_9];
 
 /// One scattered path that meets light.
@@ -63,11 +63,11 @@ struct Row<M> {
 }
 
 impl<P: Likelihood> Hits<P> {
-    /// Traces `config.samples` paths a pixel, rounded up to a multiple of [`BATCHES`]; `progress` is told the number of paths
-    /// of each finished row, from any thread.
+    /// Traces `config.samples` paths per pixel, rounded up to a multiple of [`BATCHES`]; `progress` receives the number of
+    /// paths of each finished row, from any thread.
     ///
     /// # Errors
-    /// As [`trace_image`](super::trace_image), and [`Error::OutOfRange`](crate::Error::OutOfRange) unless sigma_s is above 0.
+    /// Those of [`trace_image`](super::trace_image), and [`Error::OutOfRange`](crate::Error::OutOfRange) unless sigma_s is above 0.
     pub fn trace(config: &ImageConfig<P>, progress: &(dyn Fn(u64) + Sync)) -> Result<Self> {
         config.check()?;
         let (sigma_s, sigma_a) = (config.medium.sigma_s(), config.medium.sigma_a());
@@ -75,7 +75,7 @@ impl<P: Likelihood> Hits<P> {
             "sigma_s",
             sigma_s,
             sigma_s > 0.0,
-            "above 0: without scattering there are no paths to reweight",
+            "above 0: without scattering there are no paths to replay",
         )?;
         let view = config.view;
         let tracer = Tracer::new(config);
@@ -133,18 +133,18 @@ impl<P: Likelihood> Hits<P> {
         self.paths
     }
 
-    /// The image in `medium` and its derivatives in sigma_s, sigma_a and the phase-function parameter, by the paths of some `batches`.
+    /// The image in `medium` and its derivatives in sigma_s, sigma_a and the phase-function parameter, from the paths of some `batches`.
     ///
     /// # Errors
-    /// [`Error::NotFinite`](crate::Error::NotFinite) if a pixel comes out so.
+    /// [`Error::NotFinite`](crate::Error::NotFinite) if a pixel is not finite.
     pub fn image(&self, medium: &Medium<P>, batches: Range<usize>) -> Result<[Image; 4]> {
-        let reweighting = Reweighting::new(&self.medium, medium);
+        let replay = Replay::new(&self.medium, medium);
         let part = BATCHES as f64 / batches.len() as f64;
         let pixel = |i: usize| -> [f32; 4] {
             let of = |batch: usize| self.starts[i * BATCHES + batch];
             let mut sums = [0.0; 4];
             for hit in &self.hits[of(batches.start)..of(batches.end)] {
-                let weight = reweighting.of(hit.scatterings, hit.length, hit.memory.as_ref());
+                let weight = replay.weight(hit.scatterings, hit.length, hit.memory.as_ref());
                 let light = f64::from(hit.light) * weight.ratio;
                 sums[0] += light;
                 sums[1..].iter_mut().zip(weight.slopes).for_each(|(sum, slope)| *sum += light * slope);
@@ -158,23 +158,23 @@ impl<P: Likelihood> Hits<P> {
         Ok(std::array::from_fn(|c| Image { width, height, data: pixels.iter().map(|p| p[c]).collect() }))
     }
 
-    /// How well the paths serve `medium`, see [`Effective::share`].
-    pub fn effective_share(&self, medium: &Medium<P>) -> f64 {
-        let reweighting = Reweighting::new(&self.medium, medium);
-        let mut effective = Effective::default();
+    /// How well the paths serve `medium`, see [`EffectiveSampleSize::relative`].
+    pub fn relative_sample_size(&self, medium: &Medium<P>) -> f64 {
+        let replay = Replay::new(&self.medium, medium);
+        let mut effective = EffectiveSampleSize::default();
         for hit in &self.hits {
-            let ratio = reweighting.of(hit.scatterings, hit.length, hit.memory.as_ref()).ratio;
+            let ratio = replay.weight(hit.scatterings, hit.length, hit.memory.as_ref()).ratio;
             effective.add(f64::from(hit.light), ratio);
         }
-        effective.share()
+        effective.relative()
     }
 
-    /// What a path knows of the medium.
+    /// The information of the paths about the medium.
     pub fn information(&self) -> Information {
-        let reweighting = Reweighting::new(&self.medium, &self.medium);
+        let replay = Replay::new(&self.medium, &self.medium);
         let mut information = Information::default();
         for hit in &self.hits {
-            let weight = reweighting.of(hit.scatterings, hit.length, hit.memory.as_ref());
+            let weight = replay.weight(hit.scatterings, hit.length, hit.memory.as_ref());
             information.add(f64::from(hit.light), weight.slopes);
         }
         information

@@ -2,7 +2,7 @@
 //!
 //! Each sample starts at a uniformly random position in its pixel. The direct light, exp(-sigma_t z) of the radiance
 //! that the ray meets after a path z, is added without noise. The scattered light comes from one path whose first
-//! scattering is forced to lie before the object (weight 1 - exp(-sigma_s z)) and which then goes on by chance until
+//! scattering is forced to lie before the object (weight 1 - exp(-sigma_s z)) and which then continues at random until
 //! it meets the object, where it picks up exp(-sigma_a L) of the radiance, or is lost. Rays that see no object
 //! scatter too. The radiance is constant over a pixel of the object image.
 //!
@@ -28,11 +28,12 @@ pub struct TracedImage {
     pub paths: u64,
 }
 
-/// Traces an image, rows in parallel; `progress` is told the number of paths of each finished row, from any thread.
+/// Traces an image, rows in parallel; `progress` receives the number of paths of each finished row, from any thread.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] for sizes that do not fit, less than 2 samples, or what [`Geometry::check`](crate::geometry::Geometry::check) refuses;
-/// [`Error::NothingToFit`] if no pixel shows an object; [`Error::NotFinite`] if a pixel comes out so.
+/// [`Error::OutOfRange`] for sizes that do not match, fewer than 2 samples, or what
+/// [`Geometry::check`](crate::geometry::Geometry::check) refuses; [`Error::NothingToFit`] if no pixel shows an object;
+/// [`Error::NotFinite`] if a pixel is not finite.
 pub fn trace_image<P: PhaseFunction + Copy>(
     config: &ImageConfig<P>,
     progress: &(dyn Fn(u64) + Sync),

@@ -1,12 +1,12 @@
-//! The likelihood of a path under other media: what it must remember, and what follows from that.
+//! The likelihood of a path under other media: what has to be recorded of it, and how its weight follows.
 //!
 //! The likelihood of a path with n scatterings by the angles theta_i and the length L is
-//! sigma_s^n exp(-(sigma_s + sigma_a) L) prod p(theta_i) times what no parameter moves. So the ratio of two media's needs
-//! n, L and the change of sum ln p(theta_i), which is linear in what a path remembers of its deflections:
+//! sigma_s^n exp(-(sigma_s + sigma_a) L) prod p(theta_i) times factors that depend on no parameter. So the ratio of the likelihoods in
+//! two media needs n, L and the change of sum ln p(theta_i), which is linear in what a path records of its deflections:
 //!
-//! - *Gaussian*, p = N(B) exp(-theta²/4B): the sum S of theta_i² is enough for every B.
-//! - *Henyey-Greenstein* is no exponential family. A path remembers the change of its log-density at a few nodes of
-//!   ln(1 - g) around its own, and is interpolated between them.
+//! - *Gaussian*, p = N(B) exp(-theta²/4B): the sum S of theta_i² is a sufficient statistic for every B.
+//! - *Henyey-Greenstein* is no exponential family. A path records the change of its log-density at a few nodes of
+//!   ln(1 - g) around that of its medium; between the nodes it is interpolated.
 
 use crate::chebyshev::Chebyshev;
 use crate::error::Result;
@@ -14,9 +14,9 @@ use crate::medium::Medium;
 use crate::phase::{Gaussian, HenyeyGreenstein, PhaseFunction};
 use std::fmt::Debug;
 
-/// A phase function whose paths can be reweighted to others of its family.
+/// A phase function whose paths can be replayed with others of its family.
 pub trait Likelihood: PhaseFunction + Copy + PartialEq {
-    /// What a path remembers of its deflections, an array of f32.
+    /// What a path records of its deflections, an array of f32.
     type Memory: AsRef<[f32]> + AsMut<[f32]> + Default + Copy + PartialEq + Debug + Send + Sync;
 
     /// This family's phase function of another parameter, B (rad²) or g.
@@ -25,17 +25,17 @@ pub trait Likelihood: PhaseFunction + Copy + PartialEq {
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) if there is none.
     fn of_parameter(parameter: f64) -> Result<Self>;
 
-    /// How far ln B or ln(1 - g) of another phase function may lie from that of this one for its paths' memory to serve it.
+    /// Largest difference in ln B or ln(1 - g) to another phase function with which paths of this one can be replayed.
     const FARTHEST: f64;
 
-    /// What adds a deflection to a path's memory.
+    /// Returns a function that adds a deflection to a path's memory.
     fn recorder(&self) -> impl Fn(f32, &mut Self::Memory) + Send + Sync;
 
     /// The change of a path's log-density from this phase function to another, no farther than [`FARTHEST`](Self::FARTHEST).
     fn change(&self, to: &Self) -> Change;
 }
 
-/// A change of log-density that is linear in n and in what a path remembers: for each the coefficient, and its derivative
+/// A change of log-density that is linear in n and in the path's memory: for each the coefficient, and its derivative
 /// in the parameter of the phase function that it leads to.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Change {
@@ -64,8 +64,8 @@ impl Likelihood for Gaussian {
     }
 }
 
-/// Nodes of ln(1 - g) that a path remembers, and how far the outermost lie from its own. ln p has its singularities pi/2 off
-/// the real axis of ln(1 - g), so five nodes leave 1e-4 a scattering.
+/// Nodes of ln(1 - g) at which a path is recorded, and how far the outermost lie from its own. ln p has its singularities pi/2 off
+/// the real axis of ln(1 - g), so five nodes leave an error of 1e-4 per scattering.
 const NODES: usize = 5;
 const HALF_WIDTH: f64 = 0.5;
 /// Largest ln(1 - g) of a node: g stays above 0.
@@ -109,9 +109,9 @@ impl Likelihood for HenyeyGreenstein {
     }
 }
 
-/// From a path of one medium to its weight in another.
+/// Replays paths traced in one medium in another: gives their weights there.
 #[derive(Debug, Clone)]
-pub struct Reweighting {
+pub struct Replay {
     phase: Change,
     per_scattering: f64,
     per_length: f64,
@@ -128,7 +128,7 @@ pub struct Weight {
     pub slopes: [f64; 3],
 }
 
-impl Reweighting {
+impl Replay {
     /// From the medium that the paths were traced in to another, its phase function no farther than
     /// [`FARTHEST`](Likelihood::FARTHEST).
     pub fn new<P: Likelihood>(from: &Medium<P>, to: &Medium<P>) -> Self {
@@ -141,9 +141,9 @@ impl Reweighting {
         }
     }
 
-    /// The weight of a path of so many `scatterings` and this `length`.
+    /// The weight of a path with this number of `scatterings` and this `length`.
     #[inline]
-    pub fn of(&self, scatterings: u32, length: f32, memory: &[f32]) -> Weight {
+    pub fn weight(&self, scatterings: u32, length: f32, memory: &[f32]) -> Weight {
         let (n, length) = (f64::from(scatterings), f64::from(length));
         let mut exponent = n * self.per_scattering + length * self.per_length;
         let mut parameter = n * self.phase.per_scattering[1];
@@ -155,15 +155,16 @@ impl Reweighting {
     }
 }
 
-/// How well paths of one medium serve another: the share of them, of equal weight, that would know the light as well.
+/// How well paths of one medium serve another: the share of as many equally weighted paths that would give the same
+/// variance.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Effective {
+pub struct EffectiveSampleSize {
     light: f64,
     weighted: f64,
     squared: f64,
 }
 
-impl Effective {
+impl EffectiveSampleSize {
     /// Counts a path that carries `light` in its own medium.
     pub fn add(&mut self, light: f64, ratio: f64) {
         self.light += light;
@@ -180,13 +181,13 @@ impl Effective {
         }
     }
 
-    /// (sum w)²/(N sum w²): 1 in the paths' own medium. Trace again where it is small.
-    pub fn share(&self) -> f64 {
+    /// Relative effective sample size (sum w)²/(N sum w²): 1 in the paths' own medium. Trace again where it is small.
+    pub fn relative(&self) -> f64 {
         self.weighted * self.weighted / (self.light * self.squared).max(f64::MIN_POSITIVE)
     }
 }
 
-/// Variance of the [`slopes`](Weight::slopes) over paths: what a path knows of the medium (Fisher's information).
+/// Variance of the [`slopes`](Weight::slopes) over paths: the Fisher information of a path about the medium.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Information {
     light: f64,
@@ -212,7 +213,7 @@ impl Information {
         self
     }
 
-    /// Of one path, in sigma_s, sigma_a and the phase-function parameter.
+    /// The information of one path about sigma_s, sigma_a and the phase-function parameter.
     pub fn of_a_path(&self) -> [f64; 3] {
         let light = self.light.max(f64::MIN_POSITIVE);
         self.sums.map(|[sum, squares]| (squares / light - (sum / light).powi(2)).max(0.0))

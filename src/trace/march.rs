@@ -1,6 +1,6 @@
 //! The march of a straight segment through the columns of the pixel grid.
 //!
-//! A column is all that a pixel sees: a prism along z for parallel rays, a pyramid with its tip in the camera for a
+//! A column is the region that a pixel sees: a prism along z for parallel rays, a pyramid with its tip in the camera for a
 //! perspective view. Both become unit squares in image coordinates (u, v) px, with a height h that grows with depth:
 //! h = Z for parallel rays, h = -1/Z in perspective. The map (x, y, Z) -> (u, v, h) takes straight lines to straight
 //! lines and planes to planes, so one march in (u, v, h) serves both cameras.

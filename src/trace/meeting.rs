@@ -1,4 +1,4 @@
-//! What a path may meet, and which pixel's light it then sees.
+//! Where a path meets a surface, and which pixel's light it sees there.
 
 use crate::image::Border;
 
@@ -11,7 +11,7 @@ pub(super) struct Meeting {
     pub pixel: Option<usize>,
 }
 
-/// Index of the pixel that stands for a column.
+/// Index of the pixel that represents a column.
 #[inline]
 pub(super) fn pixel([u, v]: [i64; 2], border: Border, [width, height]: [usize; 2]) -> Option<usize> {
     Some(border.index(v, height)? * width + border.index(u, width)?)

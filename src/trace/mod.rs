@@ -1,4 +1,4 @@
-//! Photon tracer: the independent witness for everything that the kernels and the filter claim.
+//! Photon tracer: an independent check of the kernels and the filter.
 //!
 //! Light is followed through the full three-dimensional transport equation of a homogeneous, index-matched
 //! medium, without small angles. A path starts at the medium's surface, flies free distances of density
@@ -8,14 +8,13 @@
 //! A path that leaves through the medium's front surface is lost, and the object's first crossing ends it.
 //!
 //! [`trace_radial`] tallies where a pencil beam crosses planes at many depths; [`trace_image`] makes the image
-//! of a scene with its variance; [`trace_histories`] and [`Hits`] keep of every path what its likelihood depends on, and
-//! make both again for neighbouring media. All give the same numbers, bit for bit, for any number of threads.
-//! This module uses nothing of the kernels, the filter or the fit, so that agreement with them means something.
+//! of a scene with its variance. [`trace_paths`] and [`Hits`] record what the likelihood of every path depends on, and
+//! replay the paths for neighbouring media. All results are the same, bit for bit, for any number of threads.
+//! This module uses nothing of the kernels, the filter or the fit, so their agreement with it is evidence.
 //!
 //! Not modelled: refraction at the surface, light scattered in from the illumination, light between objects.
 
 mod config;
-mod histories;
 mod hits;
 mod image;
 mod likelihood;
@@ -23,28 +22,29 @@ mod march;
 mod meeting;
 mod patches;
 mod path;
+mod path_records;
 mod radial;
-mod reweight;
+mod replay;
 mod rng;
 mod scene;
 mod surface;
 mod tally;
 
 pub use config::ImageConfig;
-pub use histories::{Histories, History, Scattered, trace_histories};
 pub use hits::{BATCHES, Hits};
 pub use image::{TracedImage, trace_image};
-pub use likelihood::{Change, Effective, Information, Likelihood, Reweighting, Weight};
+pub use likelihood::{Change, EffectiveSampleSize, Information, Likelihood, Replay, Weight};
 pub use path::{Path, free_path};
+pub use path_records::{PathRecord, PathRecords, Scattered, trace_paths};
 pub(crate) use radial::annulus_mean;
 pub use radial::{RadialConfig, RadialProfile, log_spaced, trace_radial};
-pub use reweight::Reweighted;
+pub use replay::ReplayedSum;
 pub use rng::Stream;
 
-/// sigma_a L at which a path is given up: it carries 1e-26 of its light.
+/// sigma_a L at which a path is abandoned: it carries 1e-26 of its light.
 const OPAQUE: f32 = 60.0;
 
-/// A Monte-Carlo mean with its standard error.
+/// A Monte Carlo mean with its standard error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
     /// The mean over all paths.

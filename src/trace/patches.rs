@@ -135,12 +135,12 @@ impl Patches {
         if self.border == Border::Zero { segment.over_image(self.size) } else { Some(segment) }
     }
 
-    /// First meeting with the surface.
+    /// First intersection with the surface.
     ///
     /// While the segment is before the patches, crossing one is a hit. So is entering a column already behind its
     /// patch from a column of the same surface: the patches do not join without cracks. From a column of another
     /// surface, across a depth edge, it means that the path went past the edge and is hidden: it meets nothing until
-    /// it comes out beyond the near surface again. The rear of a surface is dark.
+    /// it emerges in front of the near surface again. The rear of a surface is dark.
     pub(super) fn meet(&self, p: DVec3, d: DVec3, length: f64) -> Option<Meeting> {
         let segment = self.clipped(p, d, length)?;
         let mut last: Option<Patch> = None;

@@ -1,4 +1,4 @@
-//! One path through the medium: where it is, where it goes, how long it has become.
+//! One path through the medium: its position, its direction and its length so far.
 //!
 //! Positions are f32. One step adds a relative rounding of 6e-8 of the coordinate, some 1e-7 of the depth after
 //! hundreds of steps, while the narrowest spread of interest is 1e-3 of it; tallies are summed in f64.
@@ -10,9 +10,9 @@ use glam::Vec3;
 /// Position, direction of propagation and length so far of one path.
 #[derive(Debug, Clone, Copy)]
 pub struct Path {
-    /// Where it is (length).
+    /// Position (length).
     pub position: Vec3,
-    /// Where it goes, a unit vector.
+    /// Direction of propagation, a unit vector.
     pub direction: Vec3,
     /// Its length in the medium so far.
     pub length: f32,
@@ -51,7 +51,7 @@ pub fn free_path(sigma_s: f32, stream: &mut Stream) -> f32 {
 
 /// The unit vector `n` turned by a deflection [sin theta, cos theta, cos phi, sin phi].
 ///
-/// The frame about `n` is Duff et al.'s (JCGT 6(1), 2017), without branches and sound for every direction.
+/// The frame about `n` is Duff et al.'s (JCGT 6(1), 2017), without branches and accurate for every direction.
 #[inline]
 fn turned(n: Vec3, [sin, cos, cos_phi, sin_phi]: [f32; 4]) -> Vec3 {
     let sign = 1.0_f32.copysign(n.z);

@@ -1,7 +1,7 @@
 //! Radial tallies: where a pencil beam crosses planes at many depths.
 //!
 //! The beam enters the half-space z > 0 on the axis. Of each path the *first* crossing of every plane is recorded,
-//! all from one history; a path that leaves through z = 0 is lost to the planes not yet reached.
+//! so all planes share the same paths; a path that leaves through z = 0 is lost to the planes not yet reached.
 //! Every quantity is absolute, per launched path, and comes with its standard error.
 
 use super::path::{Path, free_path};
@@ -20,7 +20,7 @@ use std::f64::consts::PI;
 /// depend on the number of threads.
 const CHUNK: u64 = 16_384;
 
-/// Chunks worked on between two sums: enough for any number of cores, and little memory.
+/// Chunks traced between two summations: enough for any number of cores, and little memory.
 const BATCH: u64 = 128;
 
 /// What to trace.
@@ -65,7 +65,7 @@ fn increasing(name: &str, values: &[f64], low: f64, high: f64, allowed: &'static
     Ok(())
 }
 
-/// Traces the beam; `progress` is told the number of paths of each finished piece of work, from any thread.
+/// Traces the beam; `progress` receives the number of paths of each finished chunk, from any thread.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] for depths or edges that do not increase, or no paths.
@@ -114,7 +114,7 @@ pub fn trace_radial<P: PhaseFunction>(
     }
 }
 
-/// All that a path needs to know.
+/// What is shared by all paths.
 struct Beam<'a, P> {
     sigma_s: f32,
     sigma_a: f32,
@@ -174,7 +174,7 @@ pub struct RadialProfile {
 }
 
 impl RadialProfile {
-    /// Light that reaches the plane unscattered; in truth exp(-sigma_t z).
+    /// Light that reaches the plane unscattered; its expectation is exp(-sigma_t z).
     pub fn direct(&self) -> Estimate {
         let (n, w) = (self.tally.direct as f64, self.unabsorbed);
         Estimate::from_sums(n * w, n * w * w, self.paths)

@@ -34,13 +34,13 @@ impl Stream {
         (self.0.next_u64() >> 40) as f32 * STEP
     }
 
-    /// A uniform number in (0, 1], a multiple of 2^-24: fit for a logarithm.
+    /// A uniform number in (0, 1], a multiple of 2^-24, of which a logarithm can be taken.
     #[inline]
     pub fn uniform_above_zero(&mut self) -> f32 {
         ((self.0.next_u64() >> 40) + 1) as f32 * STEP
     }
 
-    /// A uniform number in [0, 1), a multiple of 2^-53, for what is drawn only once a path.
+    /// A uniform number in [0, 1), a multiple of 2^-53, for what is drawn only once per path.
     #[inline]
     pub fn uniform_f64(&mut self) -> f64 {
         (self.0.next_u64() >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)

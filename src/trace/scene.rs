@@ -1,7 +1,7 @@
-//! A scene as paths meet it: from a place in the image into the medium, and on to the object or out of sight.
+//! A scene for tracing: from a place in the image into the medium, and to the object unless the path is lost.
 //!
-//! The first scattering is forced to lie before the object, with the weight 1 - exp(-sigma_s z); the path then goes on by
-//! chance until it meets the object or is lost. Rays that see no object scatter too.
+//! The first scattering is forced to lie before the object, with the weight 1 - exp(-sigma_s z); the path then continues at
+//! random until it meets the object or is lost. Rays that see no object scatter too.
 
 use super::OPAQUE;
 use super::config::ImageConfig;
@@ -36,16 +36,16 @@ pub(super) struct Arrival {
     pub light: f64,
 }
 
-/// What one path makes of a place in the image.
+/// What one path contributes to a place in the image.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Glimpse {
-    /// Share of the light that is scattered before the object: what the path stands for.
+    /// Share of the light that is scattered before the object: the light that the path represents.
     pub share: f64,
     /// What the path meets; `None` if it is lost.
     pub arrival: Option<Arrival>,
 }
 
-/// A scene made ready for paths. Their z begins at the nearest point of the medium's surface, so that f32
+/// A scene prepared for tracing. The z of paths begins at the nearest point of the medium's surface, so that f32
 /// resolves the medium however far away the camera is.
 pub(super) struct Tracer<'a, P> {
     geometry: &'a Geometry,
@@ -92,8 +92,8 @@ impl<'a, P: PhaseFunction + Copy> Tracer<'a, P> {
         Some((start + direction * ((surface - start.z) / direction.z), surface, direction))
     }
 
-    /// Follows one scattered path from image position (`u`, `v`) px, seen through clear air as `direct`; tells `turned`
-    /// every deflection (rad).
+    /// Follows one scattered path from image position (`u`, `v`) px, seen through clear air as `direct`; calls `turned`
+    /// with every deflection (rad).
     pub(super) fn scattered(
         &self,
         (u, v): (f64, f64),

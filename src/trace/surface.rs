@@ -1,7 +1,7 @@
 //! The object's layers and the medium's surface, as what a path meets: a plane, or the patches of a depth map.
 //!
 //! Outside the image, `Clamp` repeats the outermost pixels, `Mirror` mirrors them, `Zero` has no object. The medium
-//! does not end with the image: its surface goes on under `Zero` as under `Clamp`.
+//! does not end with the image: its surface continues under `Zero` as under `Clamp`.
 
 use super::march::Projection;
 use super::meeting::{Meeting, pixel};

@@ -1,6 +1,6 @@
 //! What is counted at one plane, and the search for a radius bin.
 
-/// Bits of r² (as f32) left out of the table index: 3 of the 23 mantissa bits stay, eight cells an octave.
+/// Bits of r² (as f32) left out of the table index: 3 of the 23 mantissa bits stay, eight cells per octave.
 const CELL_BITS: u32 = 20;
 
 /// Finds the bin of r² among increasing edges without a logarithm: a table over the leading bits of the float,
@@ -18,7 +18,7 @@ impl Bins {
     pub(super) fn new(edges: &[f64]) -> Self {
         let squares: Vec<f32> = edges.iter().map(|r| (r * r) as f32).collect();
         let cell = |r2: f32| r2.to_bits() >> CELL_BITS;
-        // One cell before the first edge: whatever is smaller still is looked up there, and lies in bin 0 too.
+        // One cell before the first edge: smaller values are looked up there too, and lie in bin 0.
         let (first_cell, last_cell) = (cell(squares[0]) - 1, cell(squares[squares.len() - 1]));
         let below = |c: u32| squares.partition_point(|&e| e <= f32::from_bits(c << CELL_BITS)) as u32;
         let table = (first_cell..=last_cell + 1).map(below).collect();

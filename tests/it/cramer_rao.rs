@@ -1,9 +1,8 @@
 //! Cramér-Rao floors of planned measurements: docs/identifiability.md has the table.
 
 use narrowbeam::filter::Filter;
-use narrowbeam::fit::Settings;
-use narrowbeam::fit::forecast::{Plan, forecast};
 use narrowbeam::fit::noise::with_noise;
+use narrowbeam::fit::{Plan, Settings, forecast};
 use narrowbeam::geometry::{Field, Geometry};
 use narrowbeam::image::{Border, Image};
 use narrowbeam::lab::study::{Setting, Texture};
@@ -65,13 +64,17 @@ fn spanning(object: &Image, tau: f64) -> Scene {
 fn floors(scenes: &[Scene], tau: f64, free: bool) -> [f64; 3] {
     let plan = Plan { noise: NOISE, free_gain: free, free_veil: free };
     let fit = forecast(scenes, &[medium(tau)], &plan, &Settings::default(), Filter::Eq29).unwrap();
-    let error = |i: usize| fit.channels[0].1.uncertainty.std_error(i).unwrap_or(f64::NAN);
-    [100.0 * error(0), 100.0 * error(2), 100.0 * Z * error(1)]
+    let (_, fit) = &fit.channels[0];
+    let error = |name| {
+        let id = fit.parameters.find(name).unwrap();
+        fit.covariance.std_error(id).unwrap_or(f64::NAN)
+    };
+    [100.0 * error("sigma_s"), 100.0 * error("b"), 100.0 * Z * error("sigma_a")]
 }
 
 /// Scattering depths of the table.
 const TAUS: [f64; 6] = [0.5, 1.0, 2.0, 4.0, 6.0, 8.0];
-/// The same floors, in percent, by a reckoning that shares no code with this program, for a target of which only the 1/f
+/// The same floors, in percent, by a calculation that shares no code with this program, for a target of which only the 1/f
 /// spectrum is on record: of ln sigma_s and ln B with one depth, then with two.
 const ELSEWHERE: [[f64; 6]; 4] = [
     [0.21, 0.16, 0.20, 0.52, 1.4, 2.8],

@@ -1,12 +1,12 @@
 //! Fits and renders with Henyey-Greenstein's phase function. Images of the fitted model prove the solver and the error bars,
-//! never the physics: for that there is a dataset (tests/recovery_datasets.rs).
+//! never the physics: for that there is a dataset (tests/it/recovery_datasets.rs).
 
+use crate::common::estimates::{compare_all, std_error};
 use crate::common::{relative_l2, texture};
 use narrowbeam::filter::{Backend, Filter, Optics, Target, direct_sum};
-use narrowbeam::fit::ladder::climb;
 use narrowbeam::fit::noise::with_noise;
-use narrowbeam::fit::scenes::{SceneFit, fit_scenes};
-use narrowbeam::fit::{Settings, profile};
+use narrowbeam::fit::{SceneFit, Settings, WarningCode, Ways, fit_scenes, profile, select};
+use narrowbeam::forward::Quantity;
 use narrowbeam::geometry::Geometry;
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::lab::study::{Setting, Texture};
@@ -43,10 +43,10 @@ fn defined(setting: &Setting) -> Image {
 
 fn fit(setting: &Setting, image: Image, noise: Option<f64>) -> SceneFit {
     let scene = setting.scene(image, noise).unwrap();
-    fit_scenes(&[scene], &Settings::default(), Filter::Auto).unwrap()
+    fit_scenes(&[scene], &Settings::default(), Filter::Auto, &|| ()).unwrap()
 }
 
-fn codes(fit: &SceneFit) -> Vec<&'static str> {
+fn codes(fit: &SceneFit) -> Vec<WarningCode> {
     fit.report.warnings.iter().map(|w| w.code).collect()
 }
 
@@ -90,14 +90,16 @@ fn without_noise_the_medium_comes_back() {
         for (g, width_px) in [(0.98, 1.0), (0.95, 3.0), (0.8, 8.0)] {
             let setting = plane(tau, absorbed, g, width_px);
             let fit = fit(&setting, defined(&setting), None);
-            let ([s, a, g_found], truth) =
-                (fit.channels[0].1.parameters.values(), setting.medium.parameters());
-            let errors = [s / truth[0] - 1.0, a / truth[1] - 1.0, (1.0 - g_found) / (1.0 - g) - 1.0];
+            let (_, channel) = &fit.channels[0];
+            let errors = compare_all(channel, setting.medium).map(|found| match found.quantity {
+                Quantity::Phase => (1.0 - found.value()) / (1.0 - found.truth) - 1.0,
+                _ => found.relative_error(),
+            });
             println!(
                 "{tau:3} {absorbed:9}   {g:6} {width_px:6}   {:9.1e} {:9.1e} {:9.1e}",
                 errors[0], errors[1], errors[2]
             );
-            assert!(fit.channels[0].1.converged, "{}", fit.channels[0].1.stop);
+            assert!(channel.converged, "{}", channel.stop);
             // Of the scattered light 2e-4 may come back from beyond the fit's padding, which looks like less absorption; at
             // sigma_a z = .1 that is up to 2e-3 of it.
             assert!(errors.iter().all(|e| e.abs() < 2e-3), "{tau} {g}: {errors:?}");
@@ -115,26 +117,24 @@ fn intervals_of_g_are_those_of_the_relative_width_and_end_before_one() {
     let names: Vec<&String> = report.parameters.keys().collect();
     assert_eq!(names, ["sigma_s", "sigma_a", "g"]);
     let p = &report.parameters["g"];
-    let number = |key: &str| p[key].as_f64().unwrap();
-    let (value, std_error) = (number("value"), number("std_error"));
-    let relative = channel.uncertainty.std_error(2).unwrap();
-    assert!((std_error / ((1.0 - value) * relative) - 1.0).abs() < 1e-12);
-    assert!((number("relative_error") / (std_error / value) - 1.0).abs() < 1e-12);
-    let [low, high] = [0, 1].map(|i| p["ci95"][i].as_f64().unwrap());
+    let (value, error) = (p.value.unwrap(), p.std_error.unwrap());
+    let relative = std_error(channel, Quantity::Phase);
+    assert!((error / ((1.0 - value) * relative) - 1.0).abs() < 1e-12);
+    assert!((p.relative_error.unwrap() / (error / value) - 1.0).abs() < 1e-12);
+    let [low, high] = p.ci95.unwrap();
     assert!(low < value && value < high && high < 1.0);
-    let half = 1.96 * relative + number("model_error") / (1.0 - value);
+    let half = 1.96 * relative + p.model_error.unwrap() / (1.0 - value);
     assert!((((1.0 - low) / (1.0 - high)).ln() / (2.0 * half) - 1.0).abs() < 1e-4);
     // Four standard errors are exceeded once in 16 000 cases; a g of another phase function would be.
-    assert!((value - 0.97).abs() < 4.0 * std_error && std_error < 0.001, "{value} ± {std_error}");
+    assert!((value - 0.97).abs() < 4.0 * error && error < 0.001, "{value} ± {error}");
 
     assert!(
         report.derived.contains_key("sigma_s_reduced") && !report.derived.contains_key("spread_angle_deg")
     );
-    let validity = report.derived["validity"].as_f64().unwrap();
-    let tau = report.derived["tau"].as_f64().unwrap();
+    let derived = |name: &str| report.derived[name].value().unwrap();
+    let [validity, tau, reduced] = ["validity", "tau", "sigma_s_reduced"].map(derived);
     assert!((validity / (tau * 2.0 * (1.0 - value)) - 1.0).abs() < 1e-12);
-    let reduced = &report.derived["sigma_s_reduced"];
-    assert!((reduced["value"].as_f64().unwrap() / (0.75 * 0.03) - 1.0).abs() < 0.05);
+    assert!((reduced / (0.75 * 0.03) - 1.0).abs() < 0.05);
 }
 
 #[test]
@@ -142,16 +142,16 @@ fn the_profile_of_g_is_near_its_standard_errors() {
     let setting = plane(1.5, 0.3, 0.97, 4.0);
     let image = with_noise(&setting.render(Model::SmallAngle).unwrap(), 0.01, 5);
     let scene = setting.scene(image, Some(0.01)).unwrap();
-    let mut fit = fit_scenes(std::slice::from_ref(&scene), &Settings::default(), Filter::Auto).unwrap();
-    fit.add_intervals("profile95", &[scene], Filter::Auto, |data, channel, options| {
-        profile(data, channel, options, &Settings::default())
+    let mut fit =
+        fit_scenes(std::slice::from_ref(&scene), &Settings::default(), Filter::Auto, &|| ()).unwrap();
+    fit.add_intervals(Ways::Profile, &[scene], Filter::Auto, |observations, channel, options| {
+        profile(observations, channel, options, &Settings::default(), &|| ())
     })
     .unwrap();
-    let ends = |key: &str| [0, 1].map(|i| fit.report.parameters["g"][key][i].as_f64().unwrap());
+    let ends = fit.report.parameters["g"].profile95.unwrap().unwrap();
     let channel = &fit.channels[0].1;
-    let (u, error) =
-        (HG.coordinate(channel.parameters.values()[2]), channel.uncertainty.std_error(2).unwrap());
-    let [low, high] = ends("profile95").map(|g| (HG.coordinate(g) - u) / error);
+    let (u, error) = (channel.parameters["g"].coordinate(), std_error(channel, Quantity::Phase));
+    let [low, high] = ends.map(|g| (HG.coordinate(g.unwrap()) - u) / error);
     println!("profile of g: {low:.3} {high:.3} standard errors of ln(1-g)");
     // An end is found to 2 % of chi², 1 % of its distance; the cost is a little curved. Low g is high ln(1-g).
     assert!((low - 1.96).abs() < 0.15 && (high + 1.96).abs() < 0.15, "{low} {high}");
@@ -164,22 +164,21 @@ fn the_choice_of_a_model_is_made_by_errors_against_wide_angle() {
     let traced = setting.trace(*setting.medium.phase(), 4096, 7).unwrap();
     let noise = (traced.variance.mean()).sqrt();
     let scene = setting.scene(traced.mean, Some(noise)).unwrap();
-    let fit = climb(&[scene], &Settings::default(), Filter::Auto, 0.01).unwrap();
-    assert_eq!((fit.report.model, codes(&fit)), ("wide-angle", vec![]));
-    let rung = |name: &str| fit.report.ladder.iter().find(|r| r.model == name).unwrap();
+    let fit = select(&[scene], &Settings::default(), Filter::Auto, 0.01, &|| ()).unwrap();
+    assert_eq!((fit.report.model.as_str(), codes(&fit)), ("wide-angle", vec![]));
+    let candidate = |name: &str| fit.report.candidates.iter().find(|c| c.model == name).unwrap();
     for model in ["gaussian", "narrow-beam"] {
-        let why = rung(model).shortcoming.as_ref().unwrap();
+        let why = candidate(model).shortcoming.as_ref().unwrap();
         assert!(why.contains("Henyey-Greenstein"), "{model}: {why}");
     }
-    assert!(rung("small-angle").shortcoming.as_ref().unwrap().contains("off by"));
-    let (parameters, truth) = (&fit.channels[0].1.parameters, setting.medium.parameters());
-    for (i, name) in parameters.names().into_iter().enumerate() {
+    assert!(candidate("small-angle").shortcoming.as_ref().unwrap().contains("off by"));
+    for found in compare_all(&fit.channels[0].1, setting.medium) {
+        let (name, value, truth) = (found.name(), found.value(), found.truth);
         let p = &fit.report.parameters[name];
-        let [value, std_error, model_error] =
-            ["value", "std_error", "model_error"].map(|key| p[key].as_f64().unwrap());
-        println!("{name}: {value:.5} ± {std_error:.5}, model {model_error:.5}, truth {}", truth[i]);
+        let [std_error, model_error] = [p.std_error, p.model_error].map(Option::unwrap);
+        println!("{name}: {value:.5} ± {std_error:.5}, model {model_error:.5}, truth {truth}");
         // Four standard errors are exceeded once in 16 000 cases.
-        assert!((value - truth[i]).abs() < 4.0 * std_error + model_error, "{name}: {value} {}", truth[i]);
+        assert!((value - truth).abs() < 4.0 * std_error + model_error, "{name}: {value} {truth}");
     }
 }
 
@@ -188,9 +187,10 @@ fn beyond_the_table_the_choice_of_a_model_says_what_it_does_not_know() {
     let setting = plane(1.0, 0.2, 0.4, 3.0);
     let image = with_noise(&setting.render(Model::SmallAngle).unwrap(), 0.002, 7);
     let scene = setting.scene(image, Some(0.002)).unwrap();
-    let fit = fit_scenes(&[scene], &Settings::default(), Filter::Auto).unwrap();
-    assert!(codes(&fit).contains(&"model_error_unknown") && codes(&fit).contains(&"outside_validity"));
-    assert!(fit.report.parameters["g"]["model_error"].is_null());
+    let fit = fit_scenes(&[scene], &Settings::default(), Filter::Auto, &|| ()).unwrap();
+    let warns_of = |code| codes(&fit).contains(&code);
+    assert!(warns_of(WarningCode::ModelErrorUnknown) && warns_of(WarningCode::OutsideValidity));
+    assert!(fit.report.parameters["g"].model_error.is_none());
 }
 
 #[test]
@@ -199,7 +199,8 @@ fn a_model_of_the_gaussian_lobe_is_refused_before_any_work() {
     let scene = setting.scene(setting.render(Model::SmallAngle).unwrap(), None).unwrap();
     for model in [Model::Gaussian, Model::NarrowBeam, Model::NarrowBeamPrinted] {
         let settings = Settings { model, ..Settings::default() };
-        let error = fit_scenes(std::slice::from_ref(&scene), &settings, Filter::Auto).expect_err("refused");
+        let error =
+            fit_scenes(std::slice::from_ref(&scene), &settings, Filter::Auto, &|| ()).expect_err("refused");
         let message = error.to_string();
         assert!(error.is_usage() && message.contains(model.name()), "{message}");
         assert!(message.contains("Henyey-Greenstein"), "{message}");

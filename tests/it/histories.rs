@@ -1,9 +1,9 @@
-//! Histories against the radial tally, and reweighted histories against those of the other medium.
+//! Path records against the radial tally, and reweighted histories against those of the other medium.
 
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Gaussian, HenyeyGreenstein, b_of_spread_angle};
 use narrowbeam::trace::{
-    Histories, History, Likelihood, RadialConfig, Reweighted, Scattered, trace_histories, trace_radial,
+    Likelihood, PathRecord, PathRecords, RadialConfig, ReplayedSum, Scattered, trace_paths, trace_radial,
 };
 
 const PATHS: u64 = 200_000;
@@ -16,13 +16,13 @@ fn scaled(sigma_s: f64, sigma_a: f64, degrees: f64) -> Scaled {
 }
 
 /// Light within `radius`.
-fn within<P: Likelihood>(histories: &Histories<P>, radius: f64) -> f64 {
+fn within<P: Likelihood>(histories: &PathRecords<P>, radius: f64) -> f64 {
     histories.weight * histories.paths.iter().filter(|h| f64::from(h.radius) < radius).count() as f64
 }
 
 /// Mean over independent runs of the light within `radius`, and its standard error: copies of a path are not independent.
 fn light<P: Likelihood>(medium: Medium<P>, radius: f64) -> (f64, f64) {
-    over_runs(|paths, seed| within(&trace_histories(medium, Scattered::Once, paths, seed).unwrap(), radius))
+    over_runs(|paths, seed| within(&trace_paths(medium, Scattered::Once, paths, seed).unwrap(), radius))
 }
 
 /// Mean and its standard error of `one` of so many paths and a seed.
@@ -62,7 +62,7 @@ fn light_within_a_radius_is_that_of_the_radial_tally() {
 fn more_than_once(medium: Scaled, radius: f64) -> [(f64, f64); 2] {
     [Scattered::Once, Scattered::Twice].map(|scattered| {
         over_runs(|paths, seed| {
-            let mut histories = trace_histories(medium, scattered, paths, seed).unwrap();
+            let mut histories = trace_paths(medium, scattered, paths, seed).unwrap();
             histories.paths.retain(|h| h.scatterings > 1);
             within(&histories, radius)
         })
@@ -99,7 +99,7 @@ fn where_no_path_is_lost_light_scattered_twice_is_without_noise() {
 #[test]
 fn histories_do_not_depend_on_the_number_of_threads() {
     let medium = scaled(3.0, 1.0, 25.0);
-    let trace = || trace_histories(medium, Scattered::Twice, 5_000, 3).unwrap();
+    let trace = || trace_paths(medium, Scattered::Twice, 5_000, 3).unwrap();
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(trace);
     assert_eq!(one, trace());
 }
@@ -109,16 +109,16 @@ fn medium([sigma_s, sigma_a, b]: [f64; 3]) -> Scaled {
 }
 
 /// Light near the axis.
-fn near(path: &History<[f32; 1]>) -> f64 {
+fn near(path: &PathRecord<[f32; 1]>) -> f64 {
     f64::from(u8::from(path.radius < 0.25))
 }
 
 #[test]
 fn reweighted_histories_are_those_of_the_other_medium() {
-    let from = trace_histories(scaled(1.0, 0.3, 20.0), Scattered::Once, PATHS, 21).unwrap();
+    let from = trace_paths(scaled(1.0, 0.3, 20.0), Scattered::Once, PATHS, 21).unwrap();
     let to = scaled(1.15, 0.5, 21.5);
-    let reweighted = from.reweighted(&to, near);
-    let fresh = within(&trace_histories(to, Scattered::Once, PATHS, 22).unwrap(), 0.25);
+    let reweighted = from.replay(&to, near);
+    let fresh = within(&trace_paths(to, Scattered::Once, PATHS, 22).unwrap(), 0.25);
     assert!(reweighted.effective_paths > 0.5 * PATHS as f64);
     let noise = fresh * 4.0 * (1.0 / reweighted.effective_paths + 1.0 / PATHS as f64).sqrt();
     assert!((reweighted.value - fresh).abs() < noise, "{reweighted:?} {fresh}");
@@ -128,8 +128,8 @@ fn reweighted_histories_are_those_of_the_other_medium() {
 
 #[test]
 fn derivatives_of_reweighted_light_are_those_of_its_differences() {
-    let from = trace_histories(scaled(1.0, 0.3, 20.0), Scattered::Once, PATHS, 23).unwrap();
-    let at = |p: [f64; 3]| -> Reweighted { from.reweighted(&medium(p), near) };
+    let from = trace_paths(scaled(1.0, 0.3, 20.0), Scattered::Once, PATHS, 23).unwrap();
+    let at = |p: [f64; 3]| -> ReplayedSum { from.replay(&medium(p), near) };
     let p = [1.1, 0.35, 0.031];
     for i in 0..3 {
         let step = 1e-4 * p[i];
@@ -148,14 +148,14 @@ fn derivatives_are_those_of_fresh_tracing() {
     let p = [1.0, 0.3, b_of_spread_angle(20.0_f64.to_radians())];
     let paths = 4 * PATHS;
     let gradient =
-        trace_histories(medium(p), Scattered::Once, paths, 31).unwrap().reweighted(&medium(p), near).gradient;
+        trace_paths(medium(p), Scattered::Once, paths, 31).unwrap().replay(&medium(p), near).gradient;
     for i in 0..3 {
         let step = 0.2 * p[i];
         let (mut up, mut down) = (p, p);
         up[i] += step;
         down[i] -= step;
         let light = |p: [f64; 3], seed: u64| {
-            within(&trace_histories(medium(p), Scattered::Once, paths, seed).unwrap(), 0.25)
+            within(&trace_paths(medium(p), Scattered::Once, paths, seed).unwrap(), 0.25)
         };
         let (more, less) = (light(up, 32), light(down, 33));
         let difference = (more - less) / (2.0 * step);
@@ -168,8 +168,8 @@ fn derivatives_are_those_of_fresh_tracing() {
 
 #[test]
 fn effective_paths_fall_with_the_distance_of_the_medium() {
-    let from = trace_histories(scaled(1.0, 0.0, 20.0), Scattered::Once, PATHS, 41).unwrap();
-    let effective = |to| from.reweighted(&to, |_| 1.0).effective_paths;
+    let from = trace_paths(scaled(1.0, 0.0, 20.0), Scattered::Once, PATHS, 41).unwrap();
+    let effective = |to| from.replay(&to, |_| 1.0).effective_paths;
     let here = effective(scaled(1.0, 0.0, 20.0));
     assert!((here - from.paths.len() as f64).abs() < 1e-6 * here);
     let (near, far) = (effective(scaled(1.1, 0.1, 21.0)), effective(scaled(3.0, 0.1, 30.0)));

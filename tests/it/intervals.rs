@@ -1,11 +1,13 @@
 //! Intervals: by the covariance, by profile likelihood, by bootstrap, and what a forecast says of them beforehand.
 
+use crate::common::estimates::{compare, status, std_error};
 use narrowbeam::filter::Filter;
-use narrowbeam::fit::forecast::{Plan, forecast};
 use narrowbeam::fit::noise::with_noise;
-use narrowbeam::fit::scenes::{SceneFit, fit_scenes};
-use narrowbeam::fit::{Intervals, NAMES, Parameters, Settings, Status, bootstrap, profile};
-use narrowbeam::lab::study::calibration::{Told, cases};
+use narrowbeam::fit::{
+    Draws, Intervals, Plan, SceneFit, Settings, Status, Ways, bootstrap, fit_scenes, forecast, profile,
+};
+use narrowbeam::forward::Quantity;
+use narrowbeam::lab::study::calibration::{KnownNoise, cases};
 use narrowbeam::lab::study::{Setting, Texture};
 use narrowbeam::medium::Medium;
 use narrowbeam::scene::ObservedScene;
@@ -25,33 +27,43 @@ fn scene(plane: &Setting, noise: f64) -> ObservedScene {
 }
 
 fn fit(scene: &ObservedScene) -> SceneFit {
-    fit_scenes(std::slice::from_ref(scene), &Settings::default(), Filter::Auto).unwrap()
+    fit_scenes(std::slice::from_ref(scene), &Settings::default(), Filter::Auto, &|| ()).unwrap()
 }
 
 /// Both kinds of interval of one fit: profile likelihood, and bootstrap by `draws` refits.
 fn intervals(scene: &ObservedScene, fit: &mut SceneFit, draws: usize) -> [Intervals; 2] {
-    let (mut both, settings) = ([[None; 3]; 2], Settings::default());
-    let scenes = std::slice::from_ref(scene);
-    fit.add_intervals("profile95", scenes, Filter::Auto, |data, channel, options| {
-        both[0] = profile(data, channel, options, &settings)?;
-        Ok(both[0])
+    let (settings, scenes) = (Settings::default(), std::slice::from_ref(scene));
+    let (mut by_profile, mut by_bootstrap) = (Intervals::new(), Intervals::new());
+    fit.add_intervals(Ways::Profile, scenes, Filter::Auto, |observations, channel, options| {
+        by_profile = profile(observations, channel, options, &settings, &|| ())?;
+        Ok(by_profile.clone())
     })
     .unwrap();
-    fit.add_intervals("bootstrap95", scenes, Filter::Auto, |data, channel, options| {
-        both[1] = bootstrap(data, channel, options, &settings, (draws, 1), &|| ())?;
-        Ok(both[1])
+    let draws = Draws { count: draws, seed: 1 };
+    fit.add_intervals(Ways::Bootstrap, scenes, Filter::Auto, |observations, channel, options| {
+        by_bootstrap = bootstrap(observations, channel, options, &settings, draws, &|| ())?;
+        Ok(by_bootstrap.clone())
     })
     .unwrap();
-    both
+    [by_profile, by_bootstrap]
 }
 
-/// Ends of `interval` of parameter `i` away from the estimate, in standard errors.
-fn in_standard_errors(fit: &SceneFit, i: usize, interval: [Option<f64>; 2]) -> [f64; 2] {
-    let (_, fit) = &fit.channels[0];
-    let coordinate = |v: f64| if Parameters::is_logarithmic(i) { v.ln() } else { v };
-    let (value, error) = (fit.parameters.values()[i], fit.uncertainty.std_error(i).unwrap());
-    interval.map(|end| (coordinate(end.unwrap()) - coordinate(value)) / error)
+/// The interval of the parameter `name`; `None` if it has none.
+fn interval_of(intervals: &Intervals, name: &str) -> Option<[Option<f64>; 2]> {
+    intervals.iter().find(|(parameter, _)| parameter == name).unwrap().1
 }
+
+/// Ends of the interval of the parameter `name` away from the estimate, in standard errors.
+fn in_standard_errors(fit: &SceneFit, name: &str, intervals: &Intervals) -> [f64; 2] {
+    let (_, fit) = &fit.channels[0];
+    let id = fit.parameters.find(name).unwrap();
+    let (parameter, error) = (fit.parameters.get(id), fit.covariance.std_error(id).unwrap());
+    let off = |end: f64| (parameter.coordinate_of(end) - parameter.coordinate()) / error;
+    interval_of(intervals, name).unwrap().map(|end| off(end.unwrap()))
+}
+
+/// Names of the parameters of the medium.
+const NAMES: [&str; 3] = ["sigma_s", "sigma_a", "b"];
 
 #[test]
 fn all_intervals_agree_where_the_data_are_good() {
@@ -59,36 +71,37 @@ fn all_intervals_agree_where_the_data_are_good() {
     let scene = scene(&PLANE, 0.002);
     let mut fit = fit(&scene);
     let [by_profile, by_bootstrap] = intervals(&scene, &mut fit, DRAWS);
-    for i in 0..3 {
-        let p = in_standard_errors(&fit, i, by_profile[i].unwrap());
-        let b = in_standard_errors(&fit, i, by_bootstrap[i].unwrap());
-        println!("{}: profile {:.3} {:.3}, bootstrap {:.3} {:.3}", NAMES[i], p[0], p[1], b[0], b[1]);
+    for name in NAMES {
+        let p = in_standard_errors(&fit, name, &by_profile);
+        let b = in_standard_errors(&fit, name, &by_bootstrap);
+        println!("{name}: profile {:.3} {:.3}, bootstrap {:.3} {:.3}", p[0], p[1], b[0], b[1]);
         for (side, (p, b)) in [-1.0, 1.0].into_iter().zip(p.into_iter().zip(b)) {
             // A profile's end is found to 2 %; curvature beyond the second order adds some.
-            assert!((p - side * 1.96).abs() < 0.1, "{}", NAMES[i]);
+            assert!((p - side * 1.96).abs() < 0.1, "{name}");
             // The 2.5 % quantile of 400 normal numbers has a standard deviation of .134: four of them.
-            assert!((b - side * 1.96).abs() < 0.54, "{}", NAMES[i]);
+            assert!((b - side * 1.96).abs() < 0.54, "{name}");
         }
-        assert_eq!(fit.report.parameters[NAMES[i]]["profile95"][0].as_f64(), by_profile[i].unwrap()[0]);
-        assert!(fit.report.parameters[NAMES[i]]["bootstrap95"][1].is_f64());
+        let reported = &fit.report.parameters[name];
+        assert_eq!(reported.profile95, Some(interval_of(&by_profile, name)));
+        assert!(reported.bootstrap95.unwrap().unwrap()[1].is_some());
     }
 }
 
 #[test]
 fn so_they_do_where_the_noise_is_uneven() {
     const DRAWS: usize = 400;
-    let case = cases().unwrap().into_iter().find(|case| case.told == Told::Variance).unwrap();
+    let case = cases().unwrap().into_iter().find(|case| case.known == KnownNoise::Variance).unwrap();
     let scene = case.scenes(3).unwrap().remove(0);
     let mut fit = fit(&scene);
     let [by_profile, by_bootstrap] = intervals(&scene, &mut fit, DRAWS);
-    for i in 0..3 {
-        let p = in_standard_errors(&fit, i, by_profile[i].unwrap());
-        let b = in_standard_errors(&fit, i, by_bootstrap[i].unwrap());
-        println!("{}: profile {p:.3?}, bootstrap {b:.3?}", NAMES[i]);
+    for name in NAMES {
+        let p = in_standard_errors(&fit, name, &by_profile);
+        let b = in_standard_errors(&fit, name, &by_bootstrap);
+        println!("{name}: profile {p:.3?}, bootstrap {b:.3?}");
         for side in [0, 1] {
             let normal = [-1.96, 1.96][side];
             // As above.
-            assert!((p[side] - normal).abs() < 0.1 && (b[side] - normal).abs() < 0.54, "{}", NAMES[i]);
+            assert!((p[side] - normal).abs() < 0.1 && (b[side] - normal).abs() < 0.54, "{name}");
         }
     }
 }
@@ -100,26 +113,28 @@ fn a_profile_ends_at_bounds_and_leaves_open_what_is_open() {
     let scene_of_clear = scene(&clear, 0.01);
     let mut fitted = fit(&scene_of_clear);
     let [by_profile, _] = intervals(&scene_of_clear, &mut fitted, 2);
-    assert_eq!(by_profile[1].unwrap()[0], Some(0.0));
-    assert!(by_profile[1].unwrap()[1].unwrap() > 0.0);
+    let [low, high] = interval_of(&by_profile, "sigma_a").unwrap();
+    assert_eq!(low, Some(0.0));
+    assert!(high.unwrap() > 0.0);
     // Next to no scattering: neither sigma_s nor B has a lower end, and the fit says that they are undetermined.
     let thin = Setting { medium: Medium::gaussian(0.002, 0.15, 0.004).unwrap(), ..*PLANE };
     let scene_of_thin = scene(&thin, 0.02);
     let mut fitted = fit(&scene_of_thin);
-    assert_eq!(fitted.channels[0].1.uncertainty.status(2), Status::Undetermined);
+    assert_eq!(status(&fitted.channels[0].1, Quantity::Phase), Status::Undetermined);
     let [by_profile, _] = intervals(&scene_of_thin, &mut fitted, 2);
     println!("{by_profile:?}");
-    assert!(by_profile[2].unwrap().contains(&None));
+    assert!(interval_of(&by_profile, "b").unwrap().contains(&None));
 }
 
 #[test]
 fn a_fixed_parameter_has_no_interval() {
     let mut scene = scene(&PLANE, 0.005);
-    scene.scene.fit[0].fixed[1] = Some(0.15);
+    scene.scene.fit[0].sigma_a.fixed = Some(0.15);
     let mut fitted = fit(&scene);
     let both = intervals(&scene, &mut fitted, 20);
     for of in both {
-        assert!(of[0].is_some() && of[1].is_none() && of[2].is_some());
+        let has_one = |name| interval_of(&of, name).is_some();
+        assert!(has_one("sigma_s") && !has_one("sigma_a") && has_one("b"));
     }
 }
 
@@ -133,18 +148,18 @@ fn a_forecast_has_the_errors_that_fits_will_have() {
         forecast(std::slice::from_ref(&planned.scene), &[PLANE.medium], &plan, &settings, Filter::Auto)
             .unwrap();
     let found = fit(&planned);
-    for (i, name) in NAMES.into_iter().enumerate() {
-        let error = |fit: &SceneFit| fit.channels[0].1.uncertainty.std_error(i).unwrap();
+    for quantity in Quantity::MEDIUM {
+        let error = |fit: &SceneFit| std_error(&fit.channels[0].1, quantity);
         let ratio = error(&ahead) / error(&found);
         // They differ as the estimates do: by a few of their relative errors.
-        assert!((ratio - 1.0).abs() < 0.05, "{name}: {ratio}");
+        assert!((ratio - 1.0).abs() < 0.05, "{quantity:?}: {ratio}");
     }
     // At one depth a free gain leaves absorption open: known before anyone measures.
     let free = Plan { free_gain: true, ..plan };
     let ahead =
         forecast(std::slice::from_ref(&planned.scene), &[PLANE.medium], &free, &settings, Filter::Auto)
             .unwrap();
-    assert_eq!(ahead.channels[0].1.uncertainty.status(1), Status::Undetermined);
+    assert_eq!(status(&ahead.channels[0].1, Quantity::SigmaA), Status::Undetermined);
 }
 
 /// Standard deviations of a binomial or chi² number that one of the many below may be off.
@@ -156,7 +171,7 @@ fn error_bars_hold_the_truth_as_often_as_they_say() {
     for case in cases().unwrap() {
         for found in case.run(DRAWS, 5, &|| ()).unwrap() {
             let (share, n) = (found.share(), DRAWS as f64);
-            println!("{:35} {:8} {share:.3} rms {:.3}", case.name, found.name(), found.rms);
+            println!("{:35} {:8} {share:.3} rms {:.3}", case.name, found.parameter, found.rms);
             // 2000 draws say 93 to 97 % and 10 % (docs/calibration.md); here the noise of fewer draws comes on top.
             assert!((share - 0.95).abs() < 0.02 + NORMAL * (0.95 * 0.05 / n).sqrt(), "{}", case.name);
             assert!((found.rms - 1.0).abs() < 0.1 + NORMAL / (2.0 * n).sqrt(), "{}", case.name);
@@ -178,9 +193,8 @@ fn error_bars_that_are_too_small_are_noticed() {
         })
         .collect();
     let inside = fits.iter().filter(|fit| {
-        let (_, fit) = &fit.channels[0];
-        let off = (fit.parameters.values()[0] / case.planes[0].medium.sigma_s()).ln();
-        off.abs() < 1.96 * fit.uncertainty.std_error(0).unwrap()
+        let sigma_s = compare(&fit.channels[0].1, case.planes[0].medium, Quantity::SigmaS);
+        sigma_s.off().abs() < 1.96 * sigma_s.std_error.unwrap()
     });
     let share = inside.count() as f64 / draws as f64;
     println!("{share} instead of {}", honest[0].share());

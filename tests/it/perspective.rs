@@ -184,6 +184,6 @@ fn the_stage_looks_as_traced() {
         compare(&image, &traced, 0..scene.view.pixels())
     });
     println!("stage                {:8.2} {:8.3} {:12.2} {:8.3}", plain.0, plain.1, composite.0, composite.1);
-    // Two screens stand for all edges of the ball and the box: the bound is the error measured, and half as much again.
+    // Two occluders stand for all edges of the ball and the box: the bound is the error measured, and half as much again.
     assert!(composite.1 < 0.8 && plain.1 > 3.0 * composite.1, "{composite:?}, eq29 {plain:?}");
 }

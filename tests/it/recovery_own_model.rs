@@ -1,13 +1,14 @@
 //! Fits of images made by the model under test: they prove the solver and the error bars, never the physics.
 
+use crate::common::estimates::{compare, compare_all, status, std_error};
 use crate::common::{sloping, texture, with_noise};
 use narrowbeam::filter::{Optics, Target, per_depth};
-use narrowbeam::fit::{ChannelFit, Datum, Method, NoiseTerm, Settings, Status, VeilTerm, fit_channel};
+use narrowbeam::fit::{ChannelFit, Method, NoiseTerm, Observation, Settings, Status, VeilTerm, fit_channel};
+use narrowbeam::forward::Quantity;
 use narrowbeam::geometry::Geometry;
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
-use narrowbeam::phase::Gaussian;
-use narrowbeam::scene::{FitOptions, Gain};
+use narrowbeam::scene::{FitOptions, Gain, ParameterOptions};
 use narrowbeam::spread::Model;
 use rand_core::Rng;
 use rand_xoshiro::{Xoshiro256PlusPlus, rand_core::SeedableRng};
@@ -19,10 +20,9 @@ struct Made {
 }
 
 /// An image by the second rung, which shares no interpolation with the fit's fast path.
-fn made(geometry: Geometry, model: Model, [sigma_s, sigma_a, b]: [f64; 3]) -> Made {
+fn made(geometry: Geometry, model: Model, medium: Medium) -> Made {
     let object = texture(geometry.width, geometry.height);
-    let phase = Gaussian::new(b).unwrap();
-    let optics = Optics { model, medium: Medium::new(sigma_s, sigma_a, phase.into()).unwrap() };
+    let optics = Optics { model, medium };
     let target = Target {
         radiance: &object,
         behind: &[],
@@ -37,35 +37,29 @@ fn made(geometry: Geometry, model: Model, [sigma_s, sigma_a, b]: [f64; 3]) -> Ma
 }
 
 impl Made {
-    fn datum(&self) -> Datum<'_> {
-        Datum {
-            target: Target {
-                radiance: &self.object,
-                behind: &[],
-                geometry: &self.geometry,
-                border: Border::Zero,
-                view: View::whole(self.object.width, self.object.height),
-                relief: None,
-            },
-            observed: &self.observed,
-            mask: None,
-            hidden_share_max: 0.01,
-            gain_error: 0.0,
-            depth_error: 0.0,
-            noise: None,
-            gain: Gain::Fixed(1.0),
-            veil: VeilTerm::Fixed(0.0),
-        }
+    fn observation(&self) -> Observation<'_> {
+        let target = Target {
+            radiance: &self.object,
+            behind: &[],
+            geometry: &self.geometry,
+            border: Border::Zero,
+            view: View::whole(self.object.width, self.object.height),
+            relief: None,
+        };
+        Observation::plain(target, &self.observed)
     }
 }
 
-fn fit(data: &[Datum], options: &FitOptions, model: Model) -> ChannelFit {
-    fit_channel(data, options, &Settings { model, ..Settings::default() }).unwrap()
+fn fit(observations: &[Observation], options: &FitOptions, model: Model) -> ChannelFit {
+    fit_channel(observations, options, &Settings { model, ..Settings::default() }, &|| ()).unwrap()
 }
 
-fn relative_errors(fit: &ChannelFit, truth: [f64; 3]) -> [f64; 3] {
-    let values = fit.parameters.values();
-    std::array::from_fn(|i| values[i] / truth[i] - 1.0)
+fn relative_errors(fit: &ChannelFit, truth: Medium) -> [f64; 3] {
+    compare_all(fit, truth).map(|found| found.relative_error())
+}
+
+fn medium(sigma_s: f64, sigma_a: f64, b: f64) -> Medium {
+    Medium::gaussian(sigma_s, sigma_a, b).unwrap()
 }
 
 #[test]
@@ -75,11 +69,11 @@ fn without_noise_the_parameters_come_back_over_a_grid_of_media() {
     for tau in [0.2, 1.0, 3.0, 6.0] {
         for width_px in [0.7, 3.0, 12.0] {
             for absorbed in [0.05, 0.8] {
-                let z = 2.0;
-                let truth = [tau / z, absorbed / z, 0.004_f64];
-                let geometry = Geometry::planar(64, 64, z * truth[2].sqrt() / width_px, z).unwrap();
+                let (z, b) = (2.0, 0.004_f64);
+                let truth = medium(tau / z, absorbed / z, b);
+                let geometry = Geometry::planar(64, 64, z * b.sqrt() / width_px, z).unwrap();
                 let made = made(geometry, Model::SmallAngle, truth);
-                let fit = fit(&[made.datum()], &FitOptions::default(), Model::SmallAngle);
+                let fit = fit(&[made.observation()], &FitOptions::default(), Model::SmallAngle);
                 let errors = relative_errors(&fit, truth);
                 println!(
                     "{tau:3}  {absorbed:9}   {width_px:8}   {:9.1e} {:9.1e} {:9.1e}   {:10} {:8}",
@@ -98,12 +92,18 @@ fn without_noise_the_parameters_come_back_over_a_grid_of_media() {
 
 #[test]
 fn the_solver_comes_back_from_starts_far_off() {
-    let truth = [0.8, 0.1, 0.004_f64];
+    let truth = medium(0.8, 0.1, 0.004);
     let made = made(Geometry::planar(64, 64, 0.03, 2.0).unwrap(), Model::SmallAngle, truth);
     for factor in [0.05, 0.3, 3.0, 8.0] {
         for b_factor in [0.02, 0.2, 5.0, 30.0] {
-            let start = [Some(truth[0] * factor), Some(truth[1] * factor), Some(truth[2] * b_factor)];
-            let fit = fit(&[made.datum()], &FitOptions { start, ..FitOptions::default() }, Model::SmallAngle);
+            let start = |value: f64| ParameterOptions { start: Some(value), ..ParameterOptions::default() };
+            let options = FitOptions {
+                sigma_s: start(0.8 * factor),
+                sigma_a: start(0.1 * factor),
+                phase: start(0.004 * b_factor),
+                ..FitOptions::default()
+            };
+            let fit = fit(&[made.observation()], &options, Model::SmallAngle);
             let errors = relative_errors(&fit, truth);
             assert!(
                 fit.converged && errors.iter().all(|e| e.abs() < 1e-3),
@@ -116,27 +116,27 @@ fn the_solver_comes_back_from_starts_far_off() {
 
 #[test]
 fn nelder_mead_finds_the_same_optimum() {
-    let truth = [0.8, 0.1, 0.004_f64];
+    let truth = medium(0.8, 0.1, 0.004);
     let mut made = made(Geometry::planar(48, 48, 0.03, 2.0).unwrap(), Model::SmallAngle, truth);
     made.observed = with_noise(&made.observed, 0.005, 3);
     let solve = |method| {
         let settings = Settings { method, ..Settings::default() };
-        fit_channel(&[made.datum()], &FitOptions::default(), &settings).unwrap()
+        fit_channel(&[made.observation()], &FitOptions::default(), &settings, &|| ()).unwrap()
     };
     let (newton, simplex) = (solve(Method::LevenbergMarquardt), solve(Method::NelderMead));
     assert!(simplex.converged);
-    for i in 0..3 {
-        let difference = (simplex.parameters.values()[i] - newton.parameters.values()[i]).abs();
-        let scale = if i == 1 { 1.0 } else { newton.parameters.values()[i] };
+    for (id, found) in newton.parameters.of_medium() {
+        let difference = (simplex.parameters[found.name()].value() - found.value()).abs();
+        let std_error = found.slope() * newton.covariance.std_error(id).unwrap();
         // The simplex stops when its costs agree to 1e-10 of the cost at the start, some hundred times the least
         // cost of 1152: 1e-5 in chi², and a twentieth of a standard error is 1/400.
-        assert!(difference < 0.05 * scale * newton.uncertainty.std_error(i).unwrap(), "{i}: {difference}");
+        assert!(difference < 0.05 * std_error, "{}: {difference}", found.name());
     }
 }
 
 #[test]
 fn intervals_hold_the_truth_at_the_stated_rate() {
-    let truth = [0.7, 0.15, 0.004];
+    let truth = medium(0.7, 0.15, 0.004);
     let noise = 0.01;
     let mut made = made(Geometry::planar(48, 48, 0.03, 2.0).unwrap(), Model::SmallAngle, truth);
     let clean = made.observed.clone();
@@ -146,13 +146,11 @@ fn intervals_hold_the_truth_at_the_stated_rate() {
         let mut chi2 = 0.0;
         for seed in 0..SEEDS {
             made.observed = with_noise(&clean, noise, seed);
-            let fit =
-                fit(&[Datum { noise: given, ..made.datum() }], &FitOptions::default(), Model::SmallAngle);
+            let seen = Observation { noise: given, ..made.observation() };
+            let fit = fit(&[seen], &FitOptions::default(), Model::SmallAngle);
             chi2 += fit.reduced_chi2 / SEEDS as f64;
-            for i in 0..3 {
-                let value = fit.parameters.values()[i];
-                let off = if i == 1 { value - truth[1] } else { (value / truth[i]).ln() };
-                inside[i] += u32::from(off.abs() < 1.96 * fit.uncertainty.std_error(i).unwrap());
+            for (inside, found) in inside.iter_mut().zip(compare_all(&fit, truth)) {
+                *inside += u32::from(found.off().abs() < 1.96 * found.std_error.unwrap());
             }
         }
         println!("noise given: {}, inside of {SEEDS}: {inside:?}, mean chi² {chi2:.4}", given.is_some());
@@ -165,24 +163,26 @@ fn intervals_hold_the_truth_at_the_stated_rate() {
 
 #[test]
 fn a_free_gain_at_one_depth_leaves_sigma_a_undetermined_and_nothing_else() {
-    let truth = [0.7, 0.15, 0.004];
+    let truth = medium(0.7, 0.15, 0.004);
     let mut made = made(Geometry::planar(64, 64, 0.03, 2.0).unwrap(), Model::SmallAngle, truth);
     for noise in [0.0, 0.003] {
         made.observed = with_noise(&made.observed, noise, 5);
-        let fit =
-            fit(&[Datum { gain: Gain::Free, ..made.datum() }], &FitOptions::default(), Model::SmallAngle);
+        let seen = Observation { gain: Gain::Free, ..made.observation() };
+        let fit = fit(&[seen], &FitOptions::default(), Model::SmallAngle);
         assert!(fit.converged, "{}", fit.stop);
-        let status: Vec<Status> = (0..3).map(|i| fit.uncertainty.status(i)).collect();
-        assert_eq!(status, [Status::Free, Status::Undetermined, Status::Free], "noise {noise}");
+        assert_eq!(status(&fit, Quantity::SigmaS), Status::Free, "noise {noise}");
+        assert_eq!(status(&fit, Quantity::SigmaA), Status::Undetermined, "noise {noise}");
+        assert_eq!(status(&fit, Quantity::Phase), Status::Free, "noise {noise}");
         assert_eq!(fit.exposures[0].gain_error, None);
-        let errors = relative_errors(&fit, truth);
-        assert!(errors[0].abs() < 0.03 && errors[2].abs() < 0.06, "{errors:?}");
+        let error = |quantity| compare(&fit, truth, quantity).relative_error();
+        let [sigma_s, b] = [Quantity::SigmaS, Quantity::Phase].map(error);
+        assert!(sigma_s.abs() < 0.03 && b.abs() < 0.06, "{sigma_s} {b}");
     }
 }
 
 #[test]
 fn two_depths_and_exposures_with_free_veils() {
-    let truth = [0.7, 0.15, 0.004];
+    let truth = medium(0.7, 0.15, 0.004);
     let scenes: Vec<Made> = [(1.0, 1.3, 0.05), (2.0, 0.7, 0.2)]
         .into_iter()
         .enumerate()
@@ -194,17 +194,16 @@ fn two_depths_and_exposures_with_free_veils() {
         })
         .collect();
     // Each scene's gain is its own, so free gains would leave sigma_a undetermined however many scenes there are.
-    let data: Vec<Datum> = scenes
+    let observations: Vec<Observation> = scenes
         .iter()
         .zip([1.3, 0.7])
-        .map(|(m, gain)| Datum { gain: Gain::Fixed(gain), veil: VeilTerm::Free, ..m.datum() })
+        .map(|(m, gain)| Observation { gain: Gain::Fixed(gain), veil: VeilTerm::Free, ..m.observation() })
         .collect();
-    let fit = fit(&data, &FitOptions::default(), Model::SmallAngle);
-    for (i, truth) in truth.into_iter().enumerate() {
-        assert_eq!(fit.uncertainty.status(i), Status::Free);
-        let off = fit.parameters.values()[i] - truth;
-        let error = fit.uncertainty.std_error(i).unwrap() * if i == 1 { 1.0 } else { truth };
-        assert!(off.abs() < 4.0 * error, "{i}: {off} ± {error}");
+    let fit = fit(&observations, &FitOptions::default(), Model::SmallAngle);
+    for found in compare_all(&fit, truth) {
+        assert_eq!(status(&fit, found.quantity), Status::Free);
+        let (off, error) = (found.error(), found.std_error.unwrap() * found.slope_at_truth());
+        assert!(off.abs() < 4.0 * error, "{}: {off} ± {error}", found.name());
     }
     for (exposure, veil) in fit.exposures.iter().zip([0.05, 0.2]) {
         assert!((exposure.veil - veil).abs() < 4.0 * exposure.veil_error.unwrap());
@@ -214,44 +213,51 @@ fn two_depths_and_exposures_with_free_veils() {
 
 #[test]
 fn a_sloping_object_frees_gain_from_absorption() {
-    let truth = [0.9, 0.3, 0.004];
+    let truth = medium(0.9, 0.3, 0.004);
     let mut made = made(sloping(64, 64, 0.03, 2.0, 0.5), Model::SmallAngle, truth);
     made.observed.data.iter_mut().for_each(|v| *v *= 2.5);
     made.observed = with_noise(&made.observed, 0.002, 1);
-    let fit = fit(&[Datum { gain: Gain::Free, ..made.datum() }], &FitOptions::default(), Model::SmallAngle);
-    assert_eq!(fit.uncertainty.status(1), Status::Free);
-    let off = fit.parameters.values()[1] - truth[1];
-    assert!(off.abs() < 4.0 * fit.uncertainty.std_error(1).unwrap(), "{off}");
+    let seen = Observation { gain: Gain::Free, ..made.observation() };
+    let fit = fit(&[seen], &FitOptions::default(), Model::SmallAngle);
+    assert_eq!(status(&fit, Quantity::SigmaA), Status::Free);
+    let off = fit.parameters.value(Quantity::SigmaA) - truth.sigma_a();
+    assert!(off.abs() < 4.0 * std_error(&fit, Quantity::SigmaA), "{off}");
     assert!((fit.exposures[0].gain - 2.5).abs() < 4.0 * fit.exposures[0].gain_error.unwrap());
+}
+
+/// Options of a fit to which sigma_a is given.
+fn with_sigma_a(value: f64) -> FitOptions {
+    let sigma_a = ParameterOptions { fixed: Some(value), ..ParameterOptions::default() };
+    FitOptions { sigma_a, ..FitOptions::default() }
 }
 
 #[test]
 fn beer_lambert_determines_sigma_t_alone() {
-    let truth = [0.7, 0.15, 0.004];
+    let truth = medium(0.7, 0.15, 0.004);
     let made = made(Geometry::planar(48, 48, 0.03, 2.0).unwrap(), Model::BeerLambert, truth);
-    let free = fit(&[made.datum()], &FitOptions::default(), Model::BeerLambert);
-    assert_eq!(free.uncertainty.status(0), Status::Undetermined);
-    assert_eq!(free.uncertainty.status(1), Status::Undetermined);
-    let [sigma_s, sigma_a, _] = free.parameters.values();
+    let free = fit(&[made.observation()], &FitOptions::default(), Model::BeerLambert);
+    assert_eq!(status(&free, Quantity::SigmaS), Status::Undetermined);
+    assert_eq!(status(&free, Quantity::SigmaA), Status::Undetermined);
+    let [sigma_s, sigma_a] = ["sigma_s", "sigma_a"].map(|name| free.parameters[name].value());
     assert!((sigma_s + sigma_a - 0.85).abs() < 1e-5);
-    let held = FitOptions { fixed: [None, Some(0.15), None], ..FitOptions::default() };
-    let held = fit(&[made.datum()], &held, Model::BeerLambert);
-    assert_eq!(held.uncertainty.status(0), Status::Free);
-    assert!((held.parameters.values()[0] - 0.7).abs() < 1e-5);
+    let held = fit(&[made.observation()], &with_sigma_a(0.15), Model::BeerLambert);
+    assert_eq!(status(&held, Quantity::SigmaS), Status::Free);
+    assert!((held.parameters["sigma_s"].value() - 0.7).abs() < 1e-5);
 }
 
 #[test]
 fn fixed_and_bounded_parameters_stay_where_they_must() {
-    let truth = [0.8, 0.1, 0.004_f64];
+    let truth = medium(0.8, 0.1, 0.004);
     let made = made(Geometry::planar(64, 64, 0.03, 2.0).unwrap(), Model::SmallAngle, truth);
-    let fixed = FitOptions { fixed: [None, Some(0.1), None], ..FitOptions::default() };
-    let held = fit(&[made.datum()], &fixed, Model::SmallAngle);
-    assert_eq!(held.uncertainty.status(1), Status::Fixed);
+    let held = fit(&[made.observation()], &with_sigma_a(0.1), Model::SmallAngle);
+    assert_eq!(status(&held, Quantity::SigmaA), Status::Fixed);
     assert!(relative_errors(&held, truth).iter().all(|e| e.abs() < 1e-3));
-    let bounded = FitOptions { bounds: [None, None, Some([0.005, 0.1])], ..FitOptions::default() };
-    let pressed = fit(&[made.datum()], &bounded, Model::SmallAngle);
-    assert!((pressed.parameters.values()[2] - 0.005).abs() < 1e-9);
-    assert_eq!(pressed.parameters.at_bound(), [2]);
+    let phase = ParameterOptions { bounds: Some([0.005, 0.1]), ..ParameterOptions::default() };
+    let bounded = FitOptions { phase, ..FitOptions::default() };
+    let pressed = fit(&[made.observation()], &bounded, Model::SmallAngle);
+    assert!((pressed.parameters["b"].value() - 0.005).abs() < 1e-9);
+    let at_bound = pressed.parameters.of_medium().filter(|(_, parameter)| parameter.is_at_bound());
+    assert_eq!(at_bound.map(|(_, parameter)| parameter.name()).collect::<Vec<_>>(), ["b"]);
 }
 
 #[test]
@@ -265,22 +271,21 @@ fn random_media_come_back_within_their_error_bars_or_are_called_undetermined() {
     for case in 0..MEDIA {
         let (z, tau, width_px) = (between(0.3, 3.0), between(0.05, 10.0), between(0.3, 30.0));
         let (b, absorbed, noise) = (between(0.0005, 0.02), between(0.01, 2.0), between(0.0005, 0.05));
-        let truth = [tau / z, absorbed / z, b];
+        let truth = medium(tau / z, absorbed / z, b);
         let geometry = Geometry::planar(64, 64, z * b.sqrt() / width_px, z).unwrap();
         let mut made = made(geometry, Model::SmallAngle, truth);
         made.observed = with_noise(&made.observed, noise * made.observed.mean(), case as u64);
-        let fit = fit(&[made.datum()], &FitOptions::default(), Model::SmallAngle);
-        let medium = format!("tau {tau:.2}, {width_px:.1} px, sigma_a z {absorbed:.2}, noise {noise:.4}");
-        assert!(fit.converged, "{medium}: {}", fit.stop);
-        for (i, truth) in truth.into_iter().enumerate() {
-            let value = fit.parameters.values()[i];
-            let off = if i == 1 { value - truth } else { (value / truth).ln() };
-            match fit.uncertainty.std_error(i) {
+        let fit = fit(&[made.observation()], &FitOptions::default(), Model::SmallAngle);
+        let what = format!("tau {tau:.2}, {width_px:.1} px, sigma_a z {absorbed:.2}, noise {noise:.4}");
+        assert!(fit.converged, "{what}: {}", fit.stop);
+        for found in compare_all(&fit, truth) {
+            match found.std_error {
                 Some(error) => {
-                    worst = worst.max(off.abs() / error);
+                    worst = worst.max(found.off().abs() / error);
                     // 180 draws of a normal distribution stay within 4.5 but once in eight hundred runs; the
                     // undetermined ones, whose distribution is not normal, are left out by the next arm.
-                    assert!(off.abs() < 4.5 * error, "{medium}: parameter {i} is {value}, truth {truth}");
+                    let (name, value, truth) = (found.name(), found.value(), found.truth);
+                    assert!(found.off().abs() < 4.5 * error, "{what}: {name} is {value}, truth {truth}");
                 }
                 None => undetermined += 1,
             }
@@ -292,17 +297,17 @@ fn random_media_come_back_within_their_error_bars_or_are_called_undetermined() {
 
 #[test]
 fn a_kernel_wider_than_the_view_is_found() {
-    let truth = [0.4, 0.05, 0.005_f64];
-    let geometry = Geometry::planar(48, 48, 5.0 * truth[2].sqrt() / (1.5 * 48.0), 5.0).unwrap();
+    let b = 0.005_f64;
+    let truth = medium(0.4, 0.05, b);
+    let geometry = Geometry::planar(48, 48, 5.0 * b.sqrt() / (1.5 * 48.0), 5.0).unwrap();
     let mut made = made(geometry, Model::SmallAngle, truth);
     made.observed = with_noise(&made.observed, 0.002 * made.observed.mean(), 1);
-    let fit = fit(&[made.datum()], &FitOptions::default(), Model::SmallAngle);
+    let fit = fit(&[made.observation()], &FitOptions::default(), Model::SmallAngle);
     assert!(fit.reduced_chi2 < 1.1, "{}", fit.reduced_chi2);
-    for (i, truth) in truth.into_iter().enumerate() {
-        if let Some(error) = fit.uncertainty.std_error(i) {
-            let scale = if i == 1 { 1.0 } else { truth };
-            let off = fit.parameters.values()[i] - truth;
-            assert!(off.abs() < 4.0 * error * scale, "{i}: {off} ± {error}");
+    for found in compare_all(&fit, truth) {
+        if let Some(error) = found.std_error {
+            let off = found.error();
+            assert!(off.abs() < 4.0 * error * found.slope_at_truth(), "{}: {off} ± {error}", found.name());
         }
     }
 }

@@ -1,40 +1,44 @@
 //! The rule of no silent failure: what counts as one, and that a coarse map of where methods fail has none.
 
 use crate::common::program::narrowbeam;
-use narrowbeam::lab::study::stability::{Found, Method, Outcome, Verdict};
+use narrowbeam::fit::WarningCode;
+use narrowbeam::forward::Quantity;
+use narrowbeam::lab::study::stability::{Found, Method, Outcome, OutcomeKind};
+use narrowbeam::lab::study::trial::{Place, Tally, Trial};
 use narrowbeam::lab::study::{Setting, Texture};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::b_of_spread_angle;
 use narrowbeam::spread::Model;
-use narrowbeam::lab::study::trial::{Place, Tally, Trial};
 
-/// What was found of a parameter that is `error` off.
+/// What was found of parameters that are `error` off.
 fn found(error: f64, std_error: f64, model_error: f64) -> Outcome {
-    let found = Found { error, std_error, model_error, held: false };
-    Outcome { model: "small-angle".into(), found: [Some(found); 3], ..Outcome::default() }
+    let found = |quantity| Found { quantity, error, std_error, model_error, held: false };
+    let found = Quantity::MEDIUM.map(found).to_vec();
+    Outcome { model: "small-angle".into(), found, ..Outcome::default() }
 }
 
 #[test]
 fn an_error_that_nothing_stated_allows_is_a_silent_failure() {
-    assert_eq!(found(0.039, 0.01, 0.0).verdict(), Verdict::Right);
-    assert_eq!(found(-0.041, 0.01, 0.0).verdict(), Verdict::Silent);
+    assert_eq!(found(0.039, 0.01, 0.0).kind(), OutcomeKind::Right);
+    assert_eq!(found(-0.041, 0.01, 0.0).kind(), OutcomeKind::Silent);
     // The stated error of the model allows as much again, and no more.
-    assert_eq!(found(0.059, 0.01, 0.02).verdict(), Verdict::Right);
-    assert_eq!(found(0.061, 0.01, 0.02).verdict(), Verdict::Silent);
+    assert_eq!(found(0.059, 0.01, 0.02).kind(), OutcomeKind::Right);
+    assert_eq!(found(0.061, 0.01, 0.02).kind(), OutcomeKind::Silent);
 }
 
 #[test]
 fn what_is_said_is_not_silent() {
-    let warned = Outcome { warnings: vec!["misfit"], ..found(1.0, 0.01, 0.0) };
-    assert_eq!(warned.verdict(), Verdict::Warned);
-    let undetermined = Outcome { found: [None; 3], undetermined: true, ..Outcome::default() };
-    assert_eq!(undetermined.verdict(), Verdict::Undetermined);
+    let warned = Outcome { warnings: vec![WarningCode::Misfit], ..found(1.0, 0.01, 0.0) };
+    assert_eq!(warned.kind(), OutcomeKind::Warned);
+    let undetermined = Outcome { undetermined: true, ..Outcome::default() };
+    assert_eq!(undetermined.kind(), OutcomeKind::Undetermined);
     let refused = Outcome { refused: Some("out of range".into()), ..Outcome::default() };
-    assert_eq!(refused.verdict(), Verdict::Refused);
+    assert_eq!(refused.kind(), OutcomeKind::Refused);
     // That one parameter is undetermined does not excuse another.
     let mut half = found(1.0, 0.01, 0.0);
-    (half.found[2], half.undetermined) = (None, true);
-    assert_eq!(half.verdict(), Verdict::Silent);
+    half.found.retain(|found| found.quantity != Quantity::Phase);
+    half.undetermined = true;
+    assert_eq!(half.kind(), OutcomeKind::Silent);
 }
 
 #[test]
@@ -51,12 +55,12 @@ fn a_tally_counts_silent_failures_and_needless_warnings() {
     let trials = [
         trial("grid", found(0.01, 0.01, 0.0)),
         trial("grid", found(1.0, 0.01, 0.0)),
-        trial("grid", warned("structure")),
+        trial("grid", warned(WarningCode::Structure)),
         // Outside of its validity, and where the world is not what the scene says, a warning is in its place.
-        trial("grid", warned("outside_validity")),
-        trial("saturated share", warned("structure")),
+        trial("grid", warned(WarningCode::OutsideValidity)),
+        trial("saturated share", warned(WarningCode::Structure)),
     ];
-    assert_eq!(Tally::of(&trials), Tally { fits: 5, silent: 1, right: 2, wolves: 1 });
+    assert_eq!(Tally::of(&trials), Tally { fits: 5, silent: 1, right: 2, false_alarms: 1 });
 }
 
 #[test]
@@ -70,17 +74,17 @@ fn no_method_fails_silently_on_a_coarse_map() {
     let columns = csv.lines().next().unwrap().split(',').count();
     let rows: Vec<Vec<&str>> = csv.lines().skip(1).map(|line| line.split(',').collect()).collect();
     assert!(rows.len() > 300 && rows.iter().all(|row| row.len() == columns));
-    let verdicts = |verdict: Verdict| rows.iter().filter(move |row| row[7] == verdict.name());
-    let silent: Vec<_> = verdicts(Verdict::Silent).collect();
+    let kinds = |kind: OutcomeKind| rows.iter().filter(move |row| row[7] == kind.name());
+    let silent: Vec<_> = kinds(OutcomeKind::Silent).collect();
     assert!(silent.is_empty(), "{silent:#?}");
     // Not because all is warned of.
-    assert!(verdicts(Verdict::Right).count() > rows.len() / 10);
+    assert!(kinds(OutcomeKind::Right).count() > rows.len() / 10);
     let last = text.lines().last().unwrap();
     let numbers: Vec<f64> =
         last.split(|c: char| !c.is_ascii_digit()).filter_map(|n| n.parse().ok()).collect();
-    let [fits, wolves, right] = [numbers[1], numbers[2], numbers[3]];
+    let [fits, false_alarms, right] = [numbers[1], numbers[2], numbers[3]];
     assert_eq!(fits as usize, rows.len());
-    assert!(wolves < 0.05 * right, "{last}");
+    assert!(false_alarms < 0.05 * right, "{last}");
     for picture in ["error", "verdict", "sweeps"] {
         for kind in ["png", "svg"] {
             assert!(folder.path().join(format!("made/stability_{picture}.{kind}")).is_file());

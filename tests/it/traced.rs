@@ -1,19 +1,19 @@
-//! The model `traced`: reweighted hits against fresh ones, and what it recovers from images that it did not make, or made of
+//! The model `traced`: replayed paths against fresh ones, and what it recovers from images that it did not make, or made of
 //! other paths; of planes behind thick media more in `traced_planes`. That it agrees with the tracer is the agreement of a
 //! program with itself: Mitsuba is the witness.
 
+use crate::common::edge_and_slope;
 use crate::common::recovery::assert_recovered;
-use crate::common::{edge_and_slope, plainly};
 use narrowbeam::filter::{Filter, Target};
-use narrowbeam::fit::scenes::fit_scenes;
-use narrowbeam::fit::{ChannelFit, Settings, Tracing, fit_channel};
+use narrowbeam::fit::{ChannelFit, Observation, Settings, fit_channel, fit_scenes};
+use narrowbeam::forward::Tracing;
 use narrowbeam::geometry::Geometry;
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Family, Gaussian, HenyeyGreenstein, PhaseFunction, b_of_spread_angle};
 use narrowbeam::scene::{FitOptions, ObservedScene, read_truth};
 use narrowbeam::spread::Model;
-use narrowbeam::trace::{BATCHES, Hits, ImageConfig, Likelihood, Reweighting, trace_image};
+use narrowbeam::trace::{BATCHES, Hits, ImageConfig, Likelihood, Replay, trace_image};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -34,12 +34,11 @@ impl Setting {
         ImageConfig { geometry, radiance, behind: &[], border: Border::Mirror, view, medium, samples, seed }
     }
 
-    fn traced(&self, [sigma_s, sigma_a]: [f64; 2], phase: impl PhaseFunction + Copy, samples: u32) -> Image {
-        let config = self.config(Medium::new(sigma_s, sigma_a, phase).unwrap(), samples, 1001);
-        trace_image(&config, &|_| ()).unwrap().mean
+    fn traced(&self, medium: Medium<impl PhaseFunction + Copy>, samples: u32) -> Image {
+        trace_image(&self.config(medium, samples, 1001), &|_| ()).unwrap().mean
     }
 
-    fn fit(&self, observed: &Image, family: Family, shape: Option<f64>, paths: u64) -> ChannelFit {
+    fn fit(&self, observed: &Image, family: Family, paths: u64) -> ChannelFit {
         let relief = Filter::Auto.relief(&self.geometry);
         let view = View::whole(observed.width, observed.height);
         let target = Target {
@@ -50,14 +49,10 @@ impl Setting {
             view,
             relief: relief.as_ref(),
         };
-        let options = FitOptions { family, fixed: [None, None, shape], ..FitOptions::default() };
+        let options = FitOptions { family, ..FitOptions::default() };
         let tracing = Tracing::new(Some(paths), 7);
-        fit_channel(
-            &[plainly(target, observed)],
-            &options,
-            &Settings { model: Model::Traced, tracing, ..Settings::default() },
-        )
-        .unwrap()
+        let settings = Settings { model: Model::Traced, tracing, ..Settings::default() };
+        fit_channel(&[Observation::plain(target, observed)], &options, &settings, &|| ()).unwrap()
     }
 }
 
@@ -91,8 +86,8 @@ fn check_neighbour<P: Likelihood>(setting: &Setting, from: P, to: P) {
     println!("{from:?}: {ratio:.3} of what noise makes, without weights {unweighted:.1}");
     // chi² over 1024 pixels has the standard deviation .044; both variances are themselves estimates.
     assert!((ratio - 1.0).abs() < 0.25 && unweighted > 3.0, "{ratio} {unweighted}");
-    assert!(hits.effective_share(&medium) > 0.3);
-    assert!((hits.effective_share(hits.medium()) - 1.0).abs() < 1e-6);
+    assert!(hits.relative_sample_size(&medium) > 0.3);
+    assert!((hits.relative_sample_size(hits.medium()) - 1.0).abs() < 1e-6);
 }
 
 #[test]
@@ -142,7 +137,7 @@ fn check_likelihood<P: Likelihood>(from: P, to: P, bound: f64) {
     angles.iter().for_each(|&angle| record(angle, &mut memory));
     let [old, new] = [(2.0, 0.1, from), (2.5, 0.3, to)]
         .map(|(sigma_s, sigma_a, phase)| Medium::new(sigma_s, sigma_a, phase).unwrap());
-    let found = Reweighting::new(&old, &new).of(5, 1.5, memory.as_ref()).ratio.ln();
+    let found = Replay::new(&old, &new).weight(5, 1.5, memory.as_ref()).ratio.ln();
     let turn = |&angle: &f32| (to.eval(f64::from(angle).cos()) / from.eval(f64::from(angle).cos())).ln();
     let turns = angles.iter().map(turn).sum::<f64>();
     let exact = 5.0 * 1.25_f64.ln() - 1.5 * 0.7 + turns;
@@ -157,11 +152,11 @@ fn dataset(name: &str) -> PathBuf {
 #[test]
 fn mitsubas_medium_comes_back_at_45_degrees() {
     let scene = ObservedScene::read(&dataset("wide-45/scene.toml")).unwrap();
-    let truth = read_truth(&dataset("wide-45/truth.toml")).unwrap()[0].parameters();
+    let truth = read_truth(&dataset("wide-45/truth.toml")).unwrap()[0];
     let fit = || {
         let tracing = Tracing::new(Some(1 << 18), 3);
         let settings = Settings { model: Model::Traced, tracing, ..Settings::default() };
-        fit_scenes(std::slice::from_ref(&scene), &settings, Filter::Auto).unwrap()
+        fit_scenes(std::slice::from_ref(&scene), &settings, Filter::Auto, &|| ()).unwrap()
     };
     let found = fit();
     assert_recovered("wide-45", &found.channels[0].1, truth);
@@ -172,7 +167,7 @@ fn mitsubas_medium_comes_back_at_45_degrees() {
 #[test]
 fn mitsubas_medium_comes_back_behind_edges() {
     let mut scene = ObservedScene::read(&dataset("mitsuba-planes/layers.toml")).unwrap();
-    let truth = read_truth(&dataset("mitsuba-planes/truth.toml")).unwrap()[0].parameters();
+    let truth = read_truth(&dataset("mitsuba-planes/truth.toml")).unwrap()[0];
     // The middle of the view, edges and all.
     let whole = scene.scene.view;
     let part = View { x: 80, y: 80, width: 96, height: 96 };
@@ -182,7 +177,7 @@ fn mitsubas_medium_comes_back_behind_edges() {
     observation.mask = observation.mask.as_ref().map(|mask| mask.crop(part));
     let tracing = Tracing::new(Some(1 << 21), 3);
     let settings = Settings { model: Model::Traced, tracing, ..Settings::default() };
-    let fit = fit_scenes(&[scene], &settings, Filter::Auto).unwrap();
+    let fit = fit_scenes(&[scene], &settings, Filter::Auto, &|| ()).unwrap();
     assert_recovered("mitsuba-planes", &fit.channels[0].1, truth);
 }
 
@@ -192,11 +187,10 @@ fn henyey_greensteins_lobe_comes_back_from_a_plane_and_from_a_depth_map() {
     let maps = [("plane", plane, 1 << 20), ("edge and slope", edge_and_slope(48), 1 << 22)];
     for (name, geometry, paths) in maps {
         let setting = Setting { object: object(48), geometry };
-        let truth = [1.2, 0.1, 0.85];
-        let phase = HenyeyGreenstein::new(truth[2]).unwrap();
-        let observed = setting.traced([truth[0], truth[1]], phase, 1024);
-        let fit = setting.fit(&observed, Family::HenyeyGreenstein, None, paths);
-        assert_recovered(name, &fit, truth);
+        let phase = HenyeyGreenstein::new(0.85).unwrap();
+        let medium = Medium::new(1.2, 0.1, phase).unwrap();
+        let fit = setting.fit(&setting.traced(medium, 1024), Family::HenyeyGreenstein, paths);
+        assert_recovered(name, &fit, medium.with_phase(phase.into()));
     }
 }
 

@@ -1,19 +1,21 @@
 //! Fits by the model `traced` of planes whose images the tracer made of other paths: thick media, two depths, and what errors of
 //! the input and measurements yet to be made do to them.
 
+use crate::common::estimates::{compare_all, status};
 use crate::common::recovery::assert_recovered;
-use crate::common::{plainly, sloping};
+use crate::common::sloping;
 use nalgebra::Vector3;
-use narrowbeam::filter::{Filter, Optics, Target};
-use narrowbeam::fit::{ChannelFit, Datum, Settings, Status, Tracing, advise, fit_channel, render_traced};
+use narrowbeam::filter::{Backend, Filter, Target};
+use narrowbeam::fit::{ChannelFit, Observation, Settings, Status, advise, fit_channel};
+use narrowbeam::forward::{Engine, Quantity, Tracing};
 use narrowbeam::geometry::Geometry;
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
-use narrowbeam::phase::{Gaussian, b_of_spread_angle};
+use narrowbeam::phase::{Gaussian, PhaseFunction, b_of_spread_angle};
 use narrowbeam::relief::Relief;
-use narrowbeam::scene::{FitOptions, Gain};
+use narrowbeam::scene::{FitOptions, Gain, ParameterOptions};
 use narrowbeam::spread::Model;
-use narrowbeam::trace::{BATCHES, Histories, ImageConfig, Scattered, trace_histories, trace_image};
+use narrowbeam::trace::{BATCHES, ImageConfig, PathRecords, Scattered, trace_image, trace_paths};
 
 /// A checkerboard of unequal cells.
 fn checkerboard(side: usize) -> Image {
@@ -35,7 +37,7 @@ struct Views {
     geometries: Vec<Geometry>,
     reliefs: Vec<Option<Relief>>,
     observed: Vec<Image>,
-    truth: [f64; 3],
+    truth: Medium,
 }
 
 impl Views {
@@ -62,11 +64,11 @@ impl Views {
         };
         let observed = geometries.iter().enumerate().map(seen).collect();
         let reliefs = geometries.iter().map(|g| Filter::Auto.relief(g)).collect();
-        Self { reliefs, observed, object, geometries, truth: [sigma_s, sigma_a, b] }
+        Self { reliefs, observed, object, geometries, truth: medium.with_phase((*medium.phase()).into()) }
     }
 
-    fn data(&self) -> Vec<Datum<'_>> {
-        let datum = |i: usize| {
+    fn observations(&self) -> Vec<Observation<'_>> {
+        let observation = |i: usize| {
             let target = Target {
                 radiance: &self.object,
                 behind: &[],
@@ -75,19 +77,24 @@ impl Views {
                 view: View::whole(self.object.width, self.object.height),
                 relief: self.reliefs[i].as_ref(),
             };
-            plainly(target, &self.observed[i])
+            Observation::plain(target, &self.observed[i])
         };
-        (0..self.geometries.len()).map(datum).collect()
+        (0..self.geometries.len()).map(observation).collect()
     }
 
     fn options(&self, given: bool) -> FitOptions {
-        FitOptions { fixed: [None, None, given.then_some(self.truth[2])], ..FitOptions::default() }
+        with_b(given.then_some(self.truth.phase().parameter()))
     }
 
     fn assert_recovered(&self, name: &str, given: bool, paths: u64) {
-        let fit = fit_channel(&self.data(), &self.options(given), &traced(paths)).unwrap();
+        let fit = fit_channel(&self.observations(), &self.options(given), &traced(paths), &|| ()).unwrap();
         assert_recovered(name, &fit, self.truth);
     }
+}
+
+/// Options of a fit to which B is given, if it is.
+fn with_b(fixed: Option<f64>) -> FitOptions {
+    FitOptions { phase: ParameterOptions { fixed, ..ParameterOptions::default() }, ..FitOptions::default() }
 }
 
 fn traced(paths: u64) -> Settings<'static> {
@@ -105,22 +112,23 @@ fn a_plane_is_blurred_by_the_kernel_of_its_paths() {
     let target = Target { radiance: &object, behind: &[], geometry: &geometry, border, view, relief: None };
     let phase = Gaussian::new(b_of_spread_angle(25_f64.to_radians())).unwrap();
     let medium = Medium::new(5.0, 0.2, phase.into()).unwrap();
-    let optics = Optics { model: Model::Traced, medium };
-    let image = render_traced(target, &optics, Tracing::new(Some(paths), 5)).unwrap();
+    let tracing = Tracing::new(Some(paths), 5);
+    let engine = Engine { model: Model::Traced, backend: Backend::Cpu, tracing };
+    let image = engine.render(target, medium).unwrap().image;
     let cosine = |x: usize| (w * (x as f64 + 0.5)).cos();
     let found = (0..side).map(|x| f64::from(image.at(x, 0)) * cosine(x)).sum::<f64>() * 2.0 / side as f64;
     let batches = BATCHES as u64;
     let light = (0..batches).map(|i| {
-        trace_histories(medium.with_phase(phase), Scattered::Once, paths / batches, 5 * batches + i).unwrap()
+        trace_paths(medium.with_phase(phase), Scattered::Once, paths / batches, 5 * batches + i).unwrap()
     });
-    let j0 = |h: Histories<Gaussian>| {
+    let j0 = |h: PathRecords<Gaussian>| {
         h.weight * h.paths.iter().map(|p| libm::j0(w / pitch * f64::from(p.radius))).sum::<f64>()
     };
     let sinc = (0.5 * w).sin() / (0.5 * w);
     let scattered = sinc * sinc * light.map(j0).sum::<f64>() / batches as f64;
     let wanted = medium.transmittance(1.0) + scattered;
     println!("{found:.6} of {wanted:.6}");
-    // The same paths: what is left is the width of the bins of radius and the ladder of Gaussians.
+    // The same paths: what is left is the width of the bins of radius and the set of Gaussians.
     assert!((found / wanted - 1.0).abs() < 1e-4, "{found} {wanted}");
 }
 
@@ -152,13 +160,12 @@ fn errors_over_many_images_are_as_stated() {
         let views = Views::new(vec![plane], halves(64), [5.0, 0.2, 25.0], 1001 + seed);
         let tracing = Tracing::new(Some(1 << 20), 7 + seed);
         let settings = Settings { tracing, ..traced(1) };
-        let fit = fit_channel(&views.data(), &views.options(false), &settings).unwrap();
-        let error = Vector3::from_fn(|i, _| {
-            let found = fit.parameters.coordinate(i, fit.parameters.values()[i]);
-            let paths = fit.model_error.unwrap().variance_of(&Vector3::ith(i, 1.0)).sqrt();
-            let std_error = fit.uncertainty.std_error(i).unwrap().hypot(paths);
-            (found - fit.parameters.coordinate(i, views.truth[i])) / std_error
-        });
+        let fit = fit_channel(&views.observations(), &views.options(false), &settings, &|| ()).unwrap();
+        let error = Vector3::from(compare_all(&fit, views.truth).map(|found| {
+            let along = fit.parameters.along(found.id);
+            let paths = fit.model_error.as_ref().unwrap().variance_of(&along).sqrt();
+            found.off() / found.std_error.unwrap().hypot(paths)
+        }));
         sums += error;
         squares += error.component_mul(&error);
     }
@@ -185,9 +192,9 @@ fn assert_gain_is_freed(tau: f64) {
     for (image, gain) in views.observed.iter_mut().zip(gains) {
         image.data.iter_mut().for_each(|v| *v *= gain);
     }
-    let mut data = views.data();
-    data.iter_mut().for_each(|d| d.gain = Gain::Free);
-    let fit = fit_channel(&data, &views.options(false), &traced(1 << 20)).unwrap();
+    let mut observations = views.observations();
+    observations.iter_mut().for_each(|o| o.gain = Gain::Free);
+    let fit = fit_channel(&observations, &views.options(false), &traced(1 << 20), &|| ()).unwrap();
     assert_recovered(&format!("two depths, tau {tau}"), &fit, views.truth);
     for (exposure, gain) in fit.exposures.iter().zip(gains) {
         let error = exposure.gain_error.unwrap();
@@ -202,29 +209,28 @@ fn assert_gain_is_freed(tau: f64) {
 fn a_free_gain_at_one_depth_calls_for_another() {
     // Small angles: what absorbs and what dims are the same but for the detours of the paths.
     let views = Views::planes(halves(48), (0.05, &[1.0]), [2.0, 0.2, 10.0]);
-    let mut data = views.data();
-    data[0].gain = Gain::Free;
-    let (options, settings) = (views.options(false), traced(1 << 20));
-    let fit = fit_channel(&data, &options, &settings).unwrap();
-    assert_eq!(
-        [0, 1, 2].map(|i| fit.uncertainty.status(i)),
-        [Status::Free, Status::Undetermined, Status::Free]
-    );
-    let advice = advise(&data, &fit, &settings).unwrap();
+    let mut observations = views.observations();
+    observations[0].gain = Gain::Free;
+    let settings = traced(1 << 20);
+    let fit = fit_channel(&observations, &views.options(false), &settings, &|| ()).unwrap();
+    assert_eq!(status(&fit, Quantity::SigmaS), Status::Free);
+    assert_eq!(status(&fit, Quantity::SigmaA), Status::Undetermined);
+    assert_eq!(status(&fit, Quantity::Phase), Status::Free);
+    let advice = advise(&observations, &fit, &settings, &|| ()).unwrap();
     advice.iter().for_each(|one| println!("{one:?}"));
     let frees = |what: &str| advice.iter().find(|a| a.measurement == what).unwrap().frees;
     assert!(frees("a second scene at half the depth") && frees("a known gain"));
     assert!(!frees("half the noise (four times the exposure)"));
-    // Beyond the table nothing is foreseen.
-    let wide = FitOptions { fixed: [None, None, Some(1.0)], ..options };
-    let fit = fit_channel(&data, &wide, &settings).unwrap();
-    assert_eq!(fit.uncertainty.status(1), Status::Undetermined);
-    assert_eq!(advise(&data, &fit, &settings).unwrap(), []);
+    // Beyond the table nothing is predicted.
+    let fit = fit_channel(&observations, &with_b(Some(1.0)), &settings, &|| ()).unwrap();
+    assert_eq!(status(&fit, Quantity::SigmaA), Status::Undetermined);
+    assert_eq!(advise(&observations, &fit, &settings, &|| ()).unwrap(), []);
 }
 
 /// Standard errors of the coordinates by the errors of the input.
 fn by_input(fit: &ChannelFit) -> [f64; 3] {
-    std::array::from_fn(|i| fit.input_error.variance_of(&Vector3::ith(i, 1.0)).sqrt())
+    let along = |quantity| fit.parameters.direction(&[(quantity, 1.0)]);
+    Quantity::MEDIUM.map(|quantity| fit.input_error.variance_of(&along(quantity)).sqrt())
 }
 
 #[test]
@@ -237,14 +243,17 @@ fn errors_of_the_input_have_no_part_of_the_noise_of_the_paths() {
     {
         let views = Views::new(vec![geometry], halves(48), [2.0, 0.3, 10.0], 1001);
         for (depth_error, gain_error) in [(error, 0.0), (0.0, error)] {
-            let mut data = views.data();
-            (data[0].depth_error, data[0].gain_error) = (depth_error, gain_error);
-            let fit = |settings: &Settings| fit_channel(&data, &views.options(false), settings).unwrap();
+            let mut observations = views.observations();
+            (observations[0].depth_error, observations[0].gain_error) = (depth_error, gain_error);
+            let fit = |settings: &Settings| {
+                fit_channel(&observations, &views.options(false), settings, &|| ()).unwrap()
+            };
             // Small-angle theory, which has no noise, serves at 10°.
             let wanted = by_input(&fit(&Settings { model: Model::SmallAngle, ..Settings::default() }));
             let traced = fit(&traced(paths));
             let found = by_input(&traced);
-            let noise = traced.model_error.unwrap().variance_of(&Vector3::x()).sqrt();
+            let sigma_s = traced.parameters.direction(&[(Quantity::SigmaS, 1.0)]);
+            let noise = traced.model_error.unwrap().variance_of(&sigma_s).sqrt();
             println!("{name}: {found:?} of {wanted:?}; paths {noise:.4}");
             let allowed = share * wanted.into_iter().fold(0.0, f64::max);
             assert!((0..3).all(|i| (found[i] - wanted[i]).abs() < allowed), "{name}");

@@ -1,9 +1,10 @@
 //! Noise given as a variance image: traced images are fitted with the variance that was traced with them.
 
+use crate::common::estimates::{compare, compare_all, std_error};
 use crate::common::program::write_exr;
 use narrowbeam::filter::Filter;
-use narrowbeam::fit::scenes::fit_scenes;
-use narrowbeam::fit::{ChannelFit, NAMES, Settings};
+use narrowbeam::fit::{ChannelFit, Settings, fit_scenes};
+use narrowbeam::forward::Quantity;
 use narrowbeam::image::Image;
 use narrowbeam::lab::study::{Setting, Texture};
 use narrowbeam::medium::Medium;
@@ -47,14 +48,12 @@ fn fit(observed: &Image, variance: &[(&str, Image)], keys: &str) -> ChannelFit {
     std::fs::write(file("scene.toml"), format!("{SCENE}{keys}")).unwrap();
     let scene = ObservedScene::read(&file("scene.toml")).unwrap();
     let settings = Settings { model: Model::WideAngle, ..Settings::default() };
-    fit_scenes(&[scene], &settings, Filter::Auto).unwrap().channels.remove(0).1
+    fit_scenes(&[scene], &settings, Filter::Auto, &|| ()).unwrap().channels.remove(0).1
 }
 
-/// Error of parameter `i` in the coordinates, and in standard errors.
-fn off(fit: &ChannelFit, i: usize) -> (f64, f64) {
-    let (value, truth) = (fit.parameters.values()[i], PLANE.truth()[i]);
-    let off = if i == 1 { value - truth } else { (value / truth).ln() };
-    (off, off / fit.uncertainty.std_error(i).unwrap())
+/// Error of `quantity` in standard errors.
+fn off(fit: &ChannelFit, quantity: Quantity) -> f64 {
+    compare(fit, PLANE.medium, quantity).in_std_errors().unwrap()
 }
 
 const SEEDS: u64 = 6;
@@ -72,15 +71,16 @@ fn a_traced_image_is_fitted_with_its_own_variance() {
         let naive = fit(&traced.mean, &[("known", traced.variance)], "variance = \"known.exr\"");
         let independent = fit(&traced.mean, &[("known", other)], "variance = \"known.exr\"");
         chi2 += own.reduced_chi2 / SEEDS as f64;
-        for (i, name) in NAMES.into_iter().enumerate() {
-            let (error, in_errors) = off(&own, i);
-            let model = own.model_error.unwrap().of(&nalgebra::Vector3::ith(i, 1.0));
+        for found in compare_all(&own, PLANE.medium) {
+            let model = own.model_error.as_ref().unwrap().of(&own.parameters.along(found.id));
+            let (name, in_errors) = (found.name(), found.in_std_errors().unwrap());
             println!("seed {seed}, {name}: {in_errors:+.2} standard errors");
             // 18 normal numbers stay within 4 but once in 900 runs.
-            assert!(error.abs() < 4.0 * own.uncertainty.std_error(i).unwrap() + model, "{name}");
+            assert!(found.off().abs() < 4.0 * found.std_error.unwrap() + model, "{name}");
         }
-        careful += (off(&own, 0).1 - off(&independent, 0).1) / SEEDS as f64;
-        trusting_bright += (off(&naive, 0).1 - off(&independent, 0).1) / SEEDS as f64;
+        let [own, naive, independent] = [own, naive, independent].map(|fit| off(&fit, Quantity::SigmaS));
+        careful += (own - independent) / SEEDS as f64;
+        trusting_bright += (naive - independent) / SEEDS as f64;
     }
     println!(
         "chi² {chi2:.4}; away from variances of other paths: {careful:.2}, pixel by pixel {trusting_bright:.2}"
@@ -100,10 +100,10 @@ fn one_variance_for_all_pixels_is_one_level_of_noise() {
         fit(&observed, &[("known", Image::filled(PLANE.side, PLANE.side, v))], "variance = \"known.exr\"")
     };
     let (by_level, by_variance, louder) = (level(0.02), variance(4e-4), variance(16e-4));
-    for i in 0..3 {
-        let error = |fit: &ChannelFit| fit.uncertainty.std_error(i).unwrap();
+    for quantity in Quantity::MEDIUM {
+        let error = |fit: &ChannelFit| std_error(fit, quantity);
         // Up to where the solver stops.
-        assert!((off(&by_level, i).1 - off(&by_variance, i).1).abs() < 0.02);
+        assert!((off(&by_level, quantity) - off(&by_variance, quantity)).abs() < 0.02);
         assert!((error(&by_variance) / error(&by_level) - 1.0).abs() < 1e-3);
         assert!((error(&louder) / error(&by_level) - 2.0).abs() < 2e-3);
     }

@@ -9,7 +9,7 @@ use narrowbeam::spread::wide_angle::table::Table;
 use narrowbeam::spread::wide_angle::{WideAngle, table_of};
 use narrowbeam::spread::{Dual, Model, SpreadKernel};
 use narrowbeam::trace::{
-    Estimate, History, Likelihood, RadialConfig, RadialProfile, Scattered, log_spaced, trace_histories,
+    Estimate, Likelihood, PathRecord, RadialConfig, RadialProfile, Scattered, log_spaced, trace_paths,
     trace_radial,
 };
 
@@ -156,11 +156,12 @@ fn the_comparison_refuses_small_angle_theory() {
 }
 
 fn holds_the_mean_slope_of_fresh_histories<P: Likelihood>(medium: Medium<P>, kernel: &WideAngle) {
-    let histories = trace_histories(medium, Scattered::Once, 300_000, 77).unwrap();
+    let histories = trace_paths(medium, Scattered::Once, 300_000, 77).unwrap();
     for x in [0.3, 1.0, 3.0] {
         let k = x / medium.phase().planar_width();
-        let score =
-            |h: &History<P::Memory>| -k * f64::from(h.slope) * j1(k * f64::from(h.radius)) * histories.weight;
+        let score = |h: &PathRecord<P::Memory>| {
+            -k * f64::from(h.slope) * j1(k * f64::from(h.radius)) * histories.weight
+        };
         let sum: f64 = histories.paths.iter().map(score).sum();
         let squares: f64 = histories.paths.iter().map(|h| score(h).powi(2)).sum();
         let found = kernel.mean_slope(k, 0.0).value;

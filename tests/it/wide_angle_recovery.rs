@@ -3,14 +3,14 @@
 //! The promise: sigma_s, sigma_a and B within 2 % or three standard errors, whichever is larger, for spread angles of 5 to
 //! 45 degrees and tau from .5 to 5. `recovery_datasets` holds it on Mitsuba's images.
 
-use crate::common::{plainly, texture};
-use nalgebra::Vector3;
+use crate::common::estimates::{Compared, compare, compare_all};
+use crate::common::texture;
 use narrowbeam::filter::Target;
-use narrowbeam::fit::{ChannelFit, NAMES, Settings, fit_channel};
+use narrowbeam::fit::{ChannelFit, Observation, Settings, fit_channel};
 use narrowbeam::geometry::Geometry;
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
-use narrowbeam::phase::b_of_spread_angle;
+use narrowbeam::phase::{PhaseFunction, b_of_spread_angle};
 use narrowbeam::scene::FitOptions;
 use narrowbeam::spread::Model;
 use narrowbeam::trace::{ImageConfig, TracedImage, trace_image};
@@ -31,6 +31,7 @@ struct Case {
 
 /// The estimate of one parameter beside its truth, all relative to it.
 struct Row {
+    parameter: String,
     error: f64,
     std_error: f64,
     /// What the model states as its own error.
@@ -49,25 +50,25 @@ fn is_within(error: f64, std_error: f64) -> bool {
 }
 
 impl Case {
-    fn truth(&self) -> [f64; 3] {
-        [self.tau, self.tau * (1.0 - self.albedo) / self.albedo, b_of_spread_angle(self.degrees.to_radians())]
+    fn truth(&self) -> Medium {
+        let sigma_a = self.tau * (1.0 - self.albedo) / self.albedo;
+        Medium::gaussian(self.tau, sigma_a, b_of_spread_angle(self.degrees.to_radians())).unwrap()
     }
 
     /// A plane at depth 1, its pixels some fifth of the kernel's median radius.
     fn geometry(&self) -> Geometry {
-        let [tau, _, b] = self.truth();
-        Geometry::planar(SIDE, SIDE, (b * (1.0 + tau)).sqrt() / 7.0, 1.0).unwrap()
+        let b = self.truth().phase().parameter();
+        Geometry::planar(SIDE, SIDE, (b * (1.0 + self.tau)).sqrt() / 7.0, 1.0).unwrap()
     }
 
     fn trace(&self, object: &Image, samples: u32, seed: u64) -> TracedImage {
-        let [sigma_s, sigma_a, b] = self.truth();
         let config = ImageConfig {
             geometry: &self.geometry(),
             radiance: object,
             behind: &[],
             border: Border::Zero,
             view: View::whole(SIDE, SIDE),
-            medium: Medium::gaussian(sigma_s, sigma_a, b).unwrap(),
+            medium: self.truth(),
             samples,
             seed,
         };
@@ -81,23 +82,22 @@ impl Case {
         let fit = |model| fit(&object, &geometry, &observed, model);
         let (wide, small) = (fit(Model::WideAngle), fit(Model::SmallAngle));
         let truth = self.truth();
-        let rows = std::array::from_fn(|i| {
-            // Uncertainties are of ln sigma_s, sigma_a, ln B.
-            let scale = if i == 1 { truth[1] } else { 1.0 };
-            let stated = wide.model_error.expect("within the range of the model").of(&Vector3::ith(i, 1.0));
-            Row {
-                error: wide.parameters.values()[i] / truth[i] - 1.0,
-                std_error: wide.uncertainty.std_error(i).expect("determined") / scale,
-                model_error: stated / scale,
-                small_angle: small.parameters.values()[i] / truth[i] - 1.0,
-            }
-        });
-        for (row, name) in rows.iter().zip(NAMES) {
+        let stated = wide.model_error.as_ref().expect("within the range of the model");
+        let row = |found: Compared| Row {
+            parameter: found.name().into(),
+            error: found.relative_error(),
+            std_error: found.std_error.expect("determined") / found.unit(),
+            model_error: stated.of(&wide.parameters.along(found.id)) / found.unit(),
+            small_angle: compare(&small, truth, found.quantity).relative_error(),
+        };
+        let rows = compare_all(&wide, truth).map(row);
+        for row in &rows {
             println!(
-                "| {:.0}° | {:.1} | {:.2} | `{name}` | {:.2} | {:.2} | {:.2} | {:.1} | {} |",
+                "| {:.0}° | {:.1} | {:.2} | `{}` | {:.2} | {:.2} | {:.2} | {:.1} | {} |",
                 self.degrees,
                 self.tau,
                 self.albedo,
+                row.parameter,
                 100.0 * row.error,
                 100.0 * row.std_error,
                 100.0 * row.model_error,
@@ -118,12 +118,8 @@ fn fit(object: &Image, geometry: &Geometry, observed: &Image, model: Model) -> C
         view: View::whole(SIDE, SIDE),
         relief: None,
     };
-    fit_channel(
-        &[plainly(target, observed)],
-        &FitOptions::default(),
-        &Settings { model, ..Settings::default() },
-    )
-    .unwrap()
+    let settings = Settings { model, ..Settings::default() };
+    fit_channel(&[Observation::plain(target, observed)], &FitOptions::default(), &settings, &|| ()).unwrap()
 }
 
 fn print_heading() {

@@ -108,7 +108,8 @@ fn weights(depths: &Depths, pitch: f64, optics: &Optics, radius: usize) -> Resul
 /// A weight's polynomial and its product, for each offset in the disc; a workgroup reads 31² sources of 8 bytes for 16²
 /// outputs and as many offsets.
 pub fn work(scene: &Scene, outside: f64) -> [Work; 2] {
-    let radius = radius(scene, &scene.optics(), outside).expect("a Gaussian phase function suits every model") as f64;
+    let radius =
+        radius(scene, &scene.optics(), outside).expect("a Gaussian phase function suits every model") as f64;
     let terms = scene.depths(NODES).terms() as f64;
     let (offsets, side) = (std::f64::consts::PI * radius * radius, SIDE as f64);
     let blocks = ((2.0 * radius + 1.0) / side).ceil().powi(2);

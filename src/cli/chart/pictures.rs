@@ -1,4 +1,4 @@
-//! The charts: a panel a dataset.
+//! The charts: one panel per dataset.
 
 use super::points::{Clock, Points};
 use crate::error::Result;
@@ -14,7 +14,7 @@ pub(super) const FILES: [&str; 4] = ["renders.png", "renders.svg", "fits.png", "
 
 /// Panels in a row.
 const COLUMNS: usize = 3;
-/// Colour of what is no model.
+/// Colour of everything but models.
 const OTHER: usize = Model::ALL.len();
 
 /// Draws `charted`; `adapter` is the graphics adapter.

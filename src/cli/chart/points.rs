@@ -1,4 +1,4 @@
-//! What is on a chart: time and error of every way that led to a result, and which of them no other beats.
+//! What is on a chart: time and error of every way that gave a result, and which of them no other beats.
 
 use crate::lab::study::chart::{Charted, RenderTrial, Step, Timing, front};
 use clap::ValueEnum;
@@ -6,9 +6,9 @@ use clap::ValueEnum;
 /// Which time is charted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum Clock {
-    /// As time goes by
+    /// Wall-clock time
     Wall,
-    /// What all cores together give to the program: on a machine that does other work as well
+    /// Time of all cores together: for a machine that does other work as well
     Cpu,
 }
 
@@ -38,8 +38,8 @@ impl Clock {
     }
 }
 
-/// Times and errors, in the order of the trials; `None` where there is no result. Errors below the floor are at the floor: there
-/// nothing tells them apart.
+/// Times and errors, in the order of the trials; `None` where there is no result. Errors below the floor are moved to the
+/// floor: below it they cannot be distinguished.
 pub(super) struct Points {
     /// Seconds and relative error.
     pub all: Vec<Option<(f64, f64)>>,

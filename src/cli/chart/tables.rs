@@ -84,15 +84,15 @@ fn fit(trial: &FitTrial, on_front: bool) -> String {
     let time = trial.time.map_or(",,".into(), |t| format!("{},{}", times(t), t.runs));
     let found = match &trial.outcome {
         Ok(fit) => {
-            let each = Quantity::MEDIUM.map(|quantity| {
-                fit.error_of(quantity).map_or(String::new(), |e| format!("{e:.3e}"))
-            });
+            let each = Quantity::MEDIUM
+                .map(|quantity| fit.error_of(quantity).map_or(String::new(), |e| format!("{e:.3e}")));
             let warnings: Vec<&str> = fit.warnings.iter().map(|code| code.name()).collect();
             format!("{},{:.3e},{:.1e},{}", each.join(","), fit.error(), fit.std_error, warnings.join(" "))
         }
         Err(_) => ",,,,,".into(),
     };
-    let (model, filter) = trial.outcome.as_ref().map_or(("", ""), |fit| (fit.model.as_str(), fit.filter.as_str()));
+    let (model, filter) =
+        trial.outcome.as_ref().map_or(("", ""), |fit| (fit.model.as_str(), fit.filter.as_str()));
     let why = trial.outcome.as_ref().err().map_or(String::new(), |why| quote(why));
     format!("{method},{model},{filter},{},{time},{found},{on_front},{why}", trial.backend)
 }
@@ -107,7 +107,7 @@ fn peers(charted: &[Charted]) -> String {
     text
 }
 
-/// What is on the fronts, from fast to exact.
+/// The points on the fronts, from fast to exact.
 pub(super) fn fronts(charted: &[Charted], clock: Clock) -> Vec<Vec<String>> {
     let head = ["dataset", "", "front, from fast to exact", clock.unit(), "error %", "floor %"];
     let mut rows = vec![head.map(String::from).to_vec()];
@@ -116,7 +116,7 @@ pub(super) fn fronts(charted: &[Charted], clock: Clock) -> Vec<Vec<String>> {
             let trial = &c.renders[i];
             let how = match trial.way {
                 Way::Filter { filter, .. } => filter.name().into(),
-                Way::Trace { samples } => format!("{samples} paths a pixel"),
+                Way::Trace { samples } => format!("{samples} paths per pixel"),
             };
             format!("{}, {how}, {}", trial.way.name(), trial.backend)
         };

@@ -7,7 +7,7 @@ use crate::plots::{Axis, LineChart, Series};
 use std::f64::consts::PI;
 use std::path::Path;
 
-/// A traced curve shows every so many of its points.
+/// A traced curve shows one of this many points.
 const POINT_EVERY: usize = 2;
 
 /// One picture.

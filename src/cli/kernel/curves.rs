@@ -23,7 +23,7 @@ const FARTHEST_RMS: f64 = 6.0;
 /// Frequencies k begin and end at this many inverse radii: from where the kernel is a point to where it is flat.
 const PHASE: f64 = 0.2;
 
-/// Edges of the tally go on this many steps beyond the radii shown, a factor of some hundred: the transfer function
+/// Number of edges of the tally beyond the radii shown, a factor of some hundred: the transfer function
 /// of the lowest frequencies needs the light there too.
 const MARGIN: usize = 240;
 

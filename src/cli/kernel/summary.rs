@@ -1,4 +1,4 @@
-//! What `narrowbeam kernel` says on stdout: totals, second moments, validity, and agreement with traced light.
+//! What `narrowbeam kernel` prints: totals, second moments, validity, and agreement with traced light.
 
 use super::Setting;
 use crate::cli::options::validity;
@@ -35,7 +35,7 @@ fn head(out: &mut String, setting: &Setting, traced: Option<&RadialProfile>) -> 
     let tau = medium.tau(z);
     writeln!(out, "tau {tau:.4}, optical depth {:.4}, albedo {:.4}", medium.sigma_t() * z, medium.albedo())?;
     let validity = validity(&medium, z);
-    let verdict = if validity <= SMALL_ANGLE_LIMIT {
+    let regime = if validity <= SMALL_ANGLE_LIMIT {
         format!("not above {SMALL_ANGLE_LIMIT}: small-angle theory holds to 1 % of the transfer function")
     } else {
         format!(
@@ -43,7 +43,7 @@ fn head(out: &mut String, setting: &Setting, traced: Option<&RadialProfile>) -> 
             small_angle_error(validity)
         )
     };
-    writeln!(out, "tau·{} {validity:.4}, {verdict}", medium.phase().family().mean_square_angle_formula())?;
+    writeln!(out, "tau·{} {validity:.4}, {regime}", medium.phase().family().mean_square_angle_formula())?;
 
     let measured = |of: fn(&RadialProfile) -> Estimate| {
         traced.map_or(String::new(), |profile| {

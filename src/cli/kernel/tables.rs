@@ -11,7 +11,7 @@ pub(super) const KERNEL: &str = "kernel.csv";
 /// Transfer functions.
 const MTF: &str = "mtf.csv";
 
-/// Writes both tables into `dir`. Columns of standard errors are there only if a curve has some; `std_error` is that
+/// Writes both tables into `dir`. They have columns of standard errors only if a curve has some; `std_error` is that
 /// of `encircled_energy`, or of `mtf`.
 ///
 /// # Errors

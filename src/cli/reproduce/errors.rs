@@ -8,7 +8,7 @@ use crate::spread::Model;
 use std::fmt::Write;
 use std::path::Path;
 
-/// The rings are merged by so many for the second set of errors: 300 to 60.
+/// Number of rings that are merged into one for the second set of errors: 300 become 60.
 const MERGED: usize = 5;
 
 /// The errors of all models at one plane.

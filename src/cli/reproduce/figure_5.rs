@@ -28,11 +28,11 @@ pub(super) fn write(dir: &Path, rings: &[Rings]) -> Result<String> {
     Ok(text(&rows))
 }
 
-/// The errors at depth `z`, and the noise of the tracing, which they are free of.
+/// The errors at depth `z`, and the noise of the tracing, which has been subtracted from them.
 fn chart(z: f64, rows: &[Row]) -> LineChart {
     let here = || rows.iter().filter(|row| row.rings.z == z);
     let noise = here().map(|row| (row.rings.spread_angle_deg, row.errors[0].1.noise));
-    let mut series = vec![Series::line("noise of tracing (taken off)", noise.collect())];
+    let mut series = vec![Series::line("noise of tracing (subtracted)", noise.collect())];
     let models = rows.iter().take(1).flat_map(|row| &row.errors).map(|e| e.0);
     series.extend(models.enumerate().map(|(i, model)| {
         let points = here().map(|row| (row.rings.spread_angle_deg, row.errors[i].1.error.value));

@@ -10,7 +10,7 @@ use std::path::Path;
 /// The files of this figure.
 pub(super) const FILES: [&str; 4] = ["fig6.png", "fig6.svg", "fig6.csv", "fig6_errors.csv"];
 
-/// Radii up to this many depths are drawn; beyond, the light is next to nothing.
+/// Radii up to this many depths are drawn; beyond, there is almost no light.
 const DRAWN: f64 = 1.5;
 
 /// Writes picture and tables into `dir` and returns the errors for people.
@@ -32,7 +32,7 @@ pub(super) fn write(dir: &Path, rings: &[Rings]) -> Result<String> {
     Ok(text(&rows(rings)?))
 }
 
-/// The light per radius of tracer and kernels, one line a ring.
+/// The light per radius of tracer and kernels, one line per ring.
 pub(super) fn profiles(rings: &[Rings]) -> String {
     let mut csv = String::from("albedo,spread_angle_deg,z,r,traced,traced_std_error");
     rings.iter().take(1).flat_map(|plane| &plane.kernels).for_each(|(model, _)| csv += &format!(",{model}"));

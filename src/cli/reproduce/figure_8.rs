@@ -14,10 +14,10 @@ use std::time::Instant;
 /// The files of this figure.
 pub(super) const FILES: [&str; 3] = ["fig8.png", "fig8.svg", "fig8.csv"];
 
-/// The veil is shown brighter than the rest, in which it could not be seen.
+/// The veil is shown brighter than the other parts; otherwise it could not be seen.
 const VEIL_BRIGHTER: f64 = 10.0;
 
-/// Makes the pictures, writes them and their numbers into `dir`, and returns what is to be said.
+/// Makes the pictures, writes them and their numbers into `dir`, and returns the text to print.
 ///
 /// # Errors
 /// [`Error::Write`](crate::Error::Write) with the path.

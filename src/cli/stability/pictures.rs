@@ -2,8 +2,8 @@
 
 use crate::error::Result;
 use crate::image::Image;
-use crate::lab::study::stability::Verdict;
-use crate::lab::study::sweeps::{Extent, METHODS};
+use crate::lab::study::grid::{Extent, METHODS};
+use crate::lab::study::stability::OutcomeKind;
 use crate::lab::study::trial::Trial;
 use crate::phase::PhaseFunction;
 use crate::plots::{Axis, ChartGrid, LineChart, Map, MapGrid, MapRow, Series, Shade};
@@ -32,21 +32,21 @@ pub(super) fn write(dir: &Path, trials: &[Trial], extent: &Extent) -> Result<()>
     let errors = errors.maps(trials, extent);
     errors.write_png(&dir.join(FILES[0]))?;
     errors.write_svg(&dir.join(FILES[1]))?;
-    let verdicts = Shown {
-        title: "What the program says of its own fits to traced images; outlined: within what it states, no warning",
-        shade: Shade::Sequential { max: Verdict::Silent as u8 as f64 },
+    let kinds = Shown {
+        title: "What the program reports of its own fits to traced images; outlined: within the stated errors, no warning",
+        shade: Shade::Sequential { max: OutcomeKind::Silent as u8 as f64 },
         label: "0 right  1 right but warned  2 undetermined  3 warned  4 refused  5 silent failure",
-        value: |t| f64::from(t.outcome.verdict() as u8),
+        value: |t| f64::from(t.outcome.kind() as u8),
     };
-    let verdicts = verdicts.maps(trials, extent);
-    verdicts.write_png(&dir.join(FILES[2]))?;
-    verdicts.write_svg(&dir.join(FILES[3]))?;
+    let kinds = kinds.maps(trials, extent);
+    kinds.write_png(&dir.join(FILES[2]))?;
+    kinds.write_svg(&dir.join(FILES[3]))?;
     let sweeps = curves(trials);
     sweeps.write_png(&dir.join(FILES[4]))?;
     sweeps.write_svg(&dir.join(FILES[5]))
 }
 
-/// What maps over the grid show.
+/// What the maps over the grid show.
 struct Shown {
     title: &'static str,
     shade: Shade,
@@ -61,7 +61,7 @@ impl Shown {
         let (width, height) = (extent.tau.len(), extent.spread_angle_deg.len());
         let map = |(m, name): (usize, String)| {
             let at = |x: usize, y: usize| &trials[(x * height + y) * METHODS.len() + m];
-            let quiet = |i: usize| at(i % width, i / width).outcome.verdict() == Verdict::Right;
+            let quiet = |i: usize| at(i % width, i / width).outcome.kind() == OutcomeKind::Right;
             Map {
                 title: name,
                 values: Image::from_fn(width, height, |x, y| (self.value)(at(x, y)) as f32),
@@ -93,7 +93,7 @@ fn cells(values: &[f64]) -> std::ops::Range<f64> {
     first - half..last + half
 }
 
-/// The sweeps that have a number to stand over, and what that is.
+/// The sweeps along a number, and the meaning of that number.
 const CURVES: [Curve; 7] = [
     Curve { sweep: "noise", label: "noise over mean radiance", log: false },
     Curve { sweep: "kernel width", label: "kernel width z sqrt(B) (px)", log: true },
@@ -112,7 +112,7 @@ struct Curve {
     log: bool,
 }
 
-/// The worst error along each sweep; a row a sweep, a column for each medium.
+/// The worst error along each sweep; one row per sweep, one column per medium.
 fn curves(trials: &[Trial]) -> ChartGrid {
     let row = |curve: &Curve| {
         let here: Vec<&Trial> = trials.iter().filter(|t| t.place.sweep == curve.sweep).collect();

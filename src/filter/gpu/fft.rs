@@ -23,7 +23,7 @@ struct Parameters {
     inner: u32,
     read: Strides,
     written: Strides,
-    twist: u32,
+    twiddle: u32,
     inverse: u32,
     scale: f32,
     factors: u32,
@@ -123,7 +123,7 @@ fn passes(gpu: &Gpu, lines: &Lines, inverse: bool, scale: f64) -> Result<Vec<Pas
         let ends = [strides(from[0], from[1], 0), strides(to[0], to[1], 0)];
         return Ok(vec![pass(gpu, n, [count, count], ends, None, inverse, scale)?]);
     }
-    // Number b i + j of a line is number i of its part j; number k of part j, twisted, is number j of line k.
+    // Number b i + j of a line is number i of its part j; number k of part j, twiddled, is number j of line k.
     let first = [strides(b * from[0], from[0], from[1]), strides(b, 1, n)];
     let second = [strides(1, b, n), strides(a * to[0], to[0], to[1])];
     Ok(vec![
@@ -137,14 +137,14 @@ fn pass(
     n: usize,
     [lines, inner]: [usize; 2],
     [read, written]: [Strides; 2],
-    twist: Option<usize>,
+    twiddle: Option<usize>,
     inverse: bool,
     scale: f64,
 ) -> Result<Pass> {
     let radices = radices(n);
     let mut factor = [0; 12];
     factor.iter_mut().zip(&radices).for_each(|(f, &r)| *f = r as u32);
-    let roots: Vec<[f32; 2]> = roots(n).chain(twist.into_iter().flat_map(roots)).collect();
+    let roots: Vec<[f32; 2]> = roots(n).chain(twiddle.into_iter().flat_map(roots)).collect();
     Ok(Pass {
         parameters: Parameters {
             n: n as u32,
@@ -153,7 +153,7 @@ fn pass(
             inner: inner as u32,
             read,
             written,
-            twist: u32::from(twist.is_some()),
+            twiddle: u32::from(twiddle.is_some()),
             inverse: u32::from(inverse),
             scale: scale as f32,
             factors: radices.len() as u32,

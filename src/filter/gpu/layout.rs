@@ -2,7 +2,7 @@
 
 use super::super::canvas::Canvas as Padded;
 use super::super::slices::Slices;
-use super::super::sources::Sheet;
+use super::super::sources::Layer;
 use crate::image::Border;
 use bytemuck::{Pod, Zeroable};
 
@@ -19,11 +19,11 @@ pub struct Canvas {
     /// 0 zero, 1 clamp, 2 mirror.
     pub border: u32,
     /// Sources for each object pixel.
-    pub sheets: u32,
+    pub layers: u32,
 }
 
 impl Canvas {
-    pub(super) fn new(canvas: &Padded, border: Border, sheets: usize) -> Self {
+    pub(super) fn new(canvas: &Padded, border: Border, layers: usize) -> Self {
         let [across, down] = canvas.padded;
         Self {
             size: [across.size as u32, down.size as u32],
@@ -34,7 +34,7 @@ impl Canvas {
                 Border::Clamp => 1,
                 Border::Mirror => 2,
             },
-            sheets: sheets as u32,
+            layers: layers as u32,
         }
     }
 }
@@ -56,27 +56,27 @@ pub struct Source {
     pub cosine: f32,
     /// Slope of its surface along x and y, length per pixel.
     pub slope: [f32; 2],
-    /// Screens that its light must pass, [`NOTHING`] if there is no source.
-    pub segment: u32,
+    /// Occluders that its light must pass, [`NOTHING`] if there is no source.
+    pub slab: u32,
 }
 
-/// All sources, sheet after sheet.
-pub(super) fn sources(sheets: &[Sheet], slices: &[Option<Slices>]) -> Vec<Source> {
+/// All sources, layer after layer.
+pub(super) fn sources(layers: &[Layer], slices: &[Option<Slices>]) -> Vec<Source> {
     let source = |source: &Option<super::super::sources::Source>| {
         let Some(s) = source else {
-            return Source { segment: NOTHING, cosine: 1.0, ..Source::zeroed() };
+            return Source { slab: NOTHING, cosine: 1.0, ..Source::zeroed() };
         };
-        let place = slices[s.screens].as_ref().map_or([0.0; 2], |slices| slices.place(s.node));
+        let place = slices[s.occluders].as_ref().map_or([0.0; 2], |slices| slices.place(s.node));
         Source {
             light: s.light,
             along: place.map(|v| v as f32),
             z: s.node.z as f32,
             cosine: s.cosine as f32,
             slope: s.slope,
-            segment: s.screens as u32,
+            slab: s.occluders as u32,
         }
     };
-    sheets.iter().flatten().map(source).collect()
+    layers.iter().flatten().map(source).collect()
 }
 
 /// Counterpart of `Weigh` in shaders/weigh.wgsl.
@@ -85,8 +85,8 @@ pub(super) fn sources(sheets: &[Sheet], slices: &[Option<Slices>]) -> Vec<Source
 pub struct Weigh {
     /// The padded image.
     pub canvas: Canvas,
-    /// Screens that the sources' light must pass.
-    pub segment: u32,
+    /// Occluders that the sources' light must pass.
+    pub slab: u32,
     /// 1 where the place along z is the number of the slice.
     pub exact: u32,
     /// Slices along z and along the magnification.
@@ -111,7 +111,7 @@ pub struct Store {
     pub columns: u32,
     /// Spectra stored for each column.
     pub planes: u32,
-    /// Where the spectra belong among them; the stage `bend` reads the first alone, the second may be [`NOTHING`].
+    /// Where the spectra belong among them; the stage `slope_correction` reads the first alone, the second may be [`NOTHING`].
     pub places: [u32; 2],
     /// Fills the structure up.
     pub padding: u32,
@@ -131,10 +131,10 @@ pub struct Gather {
     pub slices: u32,
     /// 1 if there is a slope term.
     pub sloping: u32,
-    /// 1 if light comes from farther screens.
+    /// 1 if light comes from farther occluders.
     pub carried: u32,
-    /// 1 if there is a screen to pass.
-    pub gated: u32,
+    /// 1 if there is an occluder to pass.
+    pub occluded: u32,
     /// 1 if derivatives are wanted.
     pub derivatives: u32,
     /// Where the table of the divisor's scale begins.
@@ -151,11 +151,11 @@ pub struct Gather {
 pub struct Pass {
     /// The padded image.
     pub canvas: Canvas,
-    /// Screens that the sources' light must pass.
-    pub segment: u32,
-    /// The screen's bit among the opaque ones.
+    /// Occluders that the sources' light must pass.
+    pub slab: u32,
+    /// The occluder's bit among the opaque ones.
     pub bit: u32,
-    /// Path length along the axis at the screen, length.
+    /// Path length along the axis at the occluder, length.
     pub z: f32,
     /// Extinction coefficient, 1/length.
     pub sigma_t: f32,
@@ -167,7 +167,7 @@ pub struct Pass {
     pub padding: [u32; 2],
 }
 
-/// Counterpart of `Collect` in shaders/collect.wgsl.
+/// Counterpart of `Collect` in shaders/shared/collect.wgsl.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 pub struct Collect {
@@ -223,5 +223,35 @@ pub struct Total {
     pub padding: u32,
 }
 
-/// Products of six images, each pair once.
-pub const PRODUCTS: usize = 21;
+/// Counterpart of `Shift` in shaders/shift.wgsl.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub struct ShiftBy {
+    /// Size of the padded image, px.
+    pub size: [u32; 2],
+    /// 1 if there are derivatives.
+    pub derivatives: u32,
+    /// Fills the structure up.
+    pub padding: u32,
+}
+
+/// Counterpart of `Crop` in shaders/crop.wgsl.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub struct Crop {
+    /// Columns of the padded image, px.
+    pub width: u32,
+    /// First column and row of the view on it, px.
+    pub corner: [u32; 2],
+    /// Size of the view, px.
+    pub view_size: [u32; 2],
+    /// 1 if there are derivatives.
+    pub derivatives: u32,
+    /// Fills the structure up.
+    pub padding: [u32; 2],
+}
+
+/// Products of `images`, each pair once.
+pub const fn products(images: usize) -> usize {
+    images * (images + 1) / 2
+}

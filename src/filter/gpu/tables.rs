@@ -14,14 +14,14 @@ pub struct Record {
     /// Entries per rad/px.
     pub per_w: f32,
     /// The same of the slope term.
-    pub bend: u32,
+    pub slope_correction: u32,
     /// Entries per rad/px.
-    pub bend_per_w: f32,
+    pub slope_correction_per_w: f32,
     /// Where the aliases begin.
     pub aliases: u32,
     /// Fills the structure up.
     pub padding: [u32; 3],
-    /// Share of the screen's direct light that is this slice's.
+    /// Share of the occluder's direct light that is this slice's.
     pub direct: Lanes,
     /// Direct light in units of the scale.
     pub unscattered: Lanes,
@@ -29,7 +29,7 @@ pub struct Record {
 
 /// All records and tables of one gathering.
 pub(super) struct Tables {
-    /// Of the slices, of the light from farther screens, of the divisor.
+    /// Of the slices, of the light from farther occluders, of the divisor.
     pub records: Vec<Record>,
     pub entries: Vec<Lanes>,
     /// Where the table of the divisor's scale begins, and its entries per rad/px.
@@ -79,14 +79,15 @@ impl Tables {
 
     fn add(&mut self, transfer: &Transfer) {
         let (baseband, per_w) = self.append(&transfer.baseband);
-        let (bend, bend_per_w) = transfer.bend.as_ref().map_or((0, 0.0), |table| self.append(table));
+        let (slope_correction, slope_correction_per_w) =
+            transfer.slope_correction.as_ref().map_or((0, 0.0), |table| self.append(table));
         let aliases = self.entries.len() as u32;
         self.entries.extend(transfer.aliases.values().as_flattened());
         self.records.push(Record {
             baseband,
             per_w,
-            bend,
-            bend_per_w,
+            slope_correction,
+            slope_correction_per_w,
             aliases,
             padding: [0; 3],
             direct: transfer.direct,

@@ -84,7 +84,7 @@ struct Study<'x> {
 }
 
 impl Study<'_> {
-    /// What each measurement would tell, the best first.
+    /// What each measurement would determine, the best first.
     fn all(&self, measured: &[Observation]) -> Result<Vec<Advice>> {
         let same_scenes = |measurement, observations: Vec<Observation>, noise| {
             self.advice(Plan { measurement, observations, exposures: self.exposures.to_vec(), noise })

@@ -1,4 +1,4 @@
-//! What a planned measurement will tell: standard errors and correlations before anyone measures.
+//! Predicted errors of a planned measurement: standard errors and correlations before anyone measures.
 //!
 //! At the true medium the expected Gauss-Newton matrix is the Fisher information of white noise, and its inverse bounds the
 //! covariance from below (Cramér-Rao). It is that of a fit of the scene's own noiseless render, started at the truth.
@@ -12,8 +12,8 @@ use crate::image::Channel;
 use crate::medium::Medium;
 use crate::phase::PhaseFunction;
 use crate::scene::{
-    FitOptions, Gain, HIDDEN_SHARE_MAX, Noise, Observation, ObservedScene, ParameterOptions, Registration, Scene,
-    Veil,
+    FitOptions, Gain, HIDDEN_SHARE_MAX, Noise, Observation, ObservedScene, ParameterOptions, Registration,
+    Scene, Veil,
 };
 
 /// How the planned images will be taken.

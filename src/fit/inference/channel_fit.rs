@@ -92,6 +92,15 @@ impl ChannelFit {
         Some(self.covariance.variance_of(gradient)? + self.input_error.variance_of(gradient))
     }
 
+    /// Standard error of the value of the parameter called `name`, by the noise; `None` if it is fixed or undetermined.
+    ///
+    /// # Panics
+    /// If no parameter is called so.
+    pub fn std_error(&self, name: &str) -> Option<f64> {
+        let id = self.parameters.find(name).unwrap_or_else(|| panic!("no parameter is called {name}"));
+        Some(self.covariance.std_error(id)? * self.parameters.get(id).slope().abs())
+    }
+
     /// The medium's parameters of this status.
     pub fn with_status(&self, status: Status) -> impl Iterator<Item = Id> {
         self.parameters.of_medium().map(|(id, _)| id).filter(move |&id| self.covariance.status(id) == status)

@@ -56,7 +56,8 @@ impl<'a> Displacement<'_, 'a> {
 
     /// Where one batch of the paths of a traced model would lead the coordinates.
     pub(crate) fn by_batch(&self, batch: usize) -> Result<DVector<f64>> {
-        let problem = Problem::new(self.models, self.observed, self.parameters, self.progress).of_batch(batch);
+        let problem =
+            Problem::new(self.models, self.observed, self.parameters, self.progress).of_batch(batch);
         Ok(self.covariance.step(&problem.equations(&self.parameters.point())?.gradient))
     }
 

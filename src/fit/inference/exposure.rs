@@ -38,7 +38,6 @@ pub(crate) struct GainResponse {
     pub variance: f64,
 }
 
-
 /// Gain and veil of every scene, with their errors.
 pub(super) fn exposures(
     equations: &NormalEquations,

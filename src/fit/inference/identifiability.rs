@@ -59,9 +59,8 @@ impl Candidate {
     }
 
     /// Whether it says more than its parts do, where one of them is in trouble.
-    fn tells(&self, fit: &ChannelFit, error: f64) -> bool {
-        let alone =
-            |id: Id| fit.variance_of(&fit.parameters.along(id)).map_or(f64::INFINITY, f64::sqrt);
+    fn is_informative(&self, fit: &ChannelFit, error: f64) -> bool {
+        let alone = |id: Id| fit.variance_of(&fit.parameters.along(id)).map_or(f64::INFINITY, f64::sqrt);
         let part = |id: Id| self.parts[id.row()].abs() * alone(id);
         let taking_part = || {
             let ids = fit.parameters.of_medium().map(|(id, _)| id);
@@ -83,7 +82,7 @@ pub(crate) fn determined(observations: &[Observation], fit: &ChannelFit) -> Vec<
         let error = candidate.error(fit)?;
         let model =
             fit.model_error.as_ref().filter(|_| !candidate.exposed).map(|m| m.of(&candidate.gradient));
-        candidate.tells(fit, error).then_some(Combination {
+        candidate.is_informative(fit, error).then_some(Combination {
             combination: candidate.name,
             value: candidate.value,
             std_error: candidate.value * error,
@@ -128,10 +127,10 @@ fn product(fit: &ChannelFit) -> Option<Candidate> {
 
 /// sigma_t, of direct light.
 fn extinction(fit: &ChannelFit) -> Option<Candidate> {
-    let (sigma_s, sigma_a) =
-        (fit.parameters.value(Quantity::SigmaS), fit.parameters.value(Quantity::SigmaA));
+    let (sigma_s, sigma_a) = (fit.parameters.value(Quantity::SigmaS), fit.parameters.value(Quantity::SigmaA));
     let sigma_t = sigma_s + sigma_a;
-    let gradient = fit.parameters.direction(&[(Quantity::SigmaS, sigma_s), (Quantity::SigmaA, 1.0)]) / sigma_t;
+    let gradient =
+        fit.parameters.direction(&[(Quantity::SigmaS, sigma_s), (Quantity::SigmaA, 1.0)]) / sigma_t;
     (sigma_t > 0.0).then(|| Candidate::of("sigma_t".into(), sigma_t, gradient))
 }
 

@@ -1,6 +1,6 @@
 //! What depths and gains that are not exactly known do to an estimate.
 //!
-//! An image alone cannot tell a wrong depth, nor a wrong gain at one depth: another medium makes the same image. So their
+//! An image alone does not show a wrong depth, nor a wrong gain at one depth: another medium makes the same image. So their
 //! errors must be stated in the scene, and are propagated to first order: the estimate moves by a Gauss-Newton step towards
 //! the image that the best fit would have with the depth or the gain one standard error off.
 

@@ -9,7 +9,7 @@ use crate::image::Image;
 
 /// Sides of the blocks, px.
 const BLOCKS_PX: [usize; 4] = [2, 4, 8, 16];
-/// Fewer blocks than this tell nothing.
+/// Fewer blocks than this say nothing.
 const FEWEST: usize = 4;
 /// Standard deviations by which the mean of Q exceeds 1 where the residual is said to be more than noise.
 pub(crate) const LACKING: f64 = 5.0;

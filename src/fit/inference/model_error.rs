@@ -20,8 +20,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// What every other model is measured against.
 const REFERENCE: Model = Model::WideAngle;
-/// Error of its scattered total: over 40 random media the largest that stands out of the noise of fresh tracing is .17 %,
-/// at tau 7.2, for the Gaussian (with `--ignored`); .3 % for Henyey-Greenstein's lobe (`cargo test --release --test wide_angle -- --nocapture`).
+/// Error of its scattered total: over 40 random media the largest that stands out of the noise of fresh tracing is 0.17 %,
+/// at tau 7.2, for the Gaussian (with `--ignored`); 0.3 % for Henyey-Greenstein's phase function (`cargo test --release --test it wide_angle:: -- --nocapture`).
 fn reference_error(family: Family) -> f64 {
     match family {
         Family::Gaussian => 0.002,
@@ -29,18 +29,18 @@ fn reference_error(family: Family) -> f64 {
     }
 }
 
-/// Relative error of the lobe's width by which the shape of its kernel is off. The encircled energy of Henyey-Greenstein's is off
-/// by up to .6 % of the scattered light (same command), and a lobe wider by w changes that of light scattered once by up to .3 w;
-/// the lobe of `hg-90` came out half a percent too narrow. The Gaussian's shape is off by less than its total.
+/// Relative error of the phase function's width by which the shape of its kernel is off. The encircled energy of Henyey-Greenstein's is off
+/// by up to 0.6 % of the scattered light (same command), and a phase function wider by w changes that of light scattered once by up to 0.3 w;
+/// that of `hg-90` came out half a percent too narrow. The Gaussian's shape is off by less than its total.
 fn width_error(family: Family) -> f64 {
     match family {
         Family::Gaussian => 0.0,
         Family::HenyeyGreenstein => 0.02,
     }
 }
-/// The bias is of first order: it predicts errors of up to 10 % to a quarter (tests/it/ladder.rs).
+/// The bias is of first order: it predicts errors of up to 10 % to a quarter (tests/it/select.rs).
 const MARGIN: f64 = 1.25;
-/// Squared planar widths (rad², B of a Gaussian) of the lobes for which the error of a model without a width is computed, where
+/// Squared planar widths (rad², B of a Gaussian) of the phase functions for which the error of a model without a width is computed, where
 /// none is given: the worst counts.
 const SQUARED_WIDTHS: [f64; 3] = [1e-3, 1e-2, 5e-2];
 

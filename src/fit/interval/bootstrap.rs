@@ -48,7 +48,8 @@ pub fn bootstrap(
         let noisy: Vec<Image> = observations.iter().enumerate().map(noisy).collect();
         let drawn: Vec<Observation> =
             observations.iter().zip(&noisy).map(|(o, image)| Observation { observed: image, ..*o }).collect();
-        let settings = Settings { model, method, max_iterations, backend: Backend::Cpu, gram: false, tracing };
+        let settings =
+            Settings { model, method, max_iterations, backend: Backend::Cpu, gram: false, tracing };
         let found = fit_channel(&drawn, &options, &settings, &|| ())?.parameters;
         progress();
         Ok(found)

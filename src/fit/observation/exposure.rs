@@ -49,7 +49,7 @@ impl LinearTerm {
 pub(crate) struct Linear {
     pub terms: Vec<LinearTerm>,
     pub exposure: Exposure,
-    /// Inverse of the terms' normal matrix; NaN if a flat image cannot tell them apart.
+    /// Inverse of the terms' normal matrix; NaN if they are not separately identifiable in a flat image.
     pub inverse: DMatrix<f64>,
 }
 
@@ -59,11 +59,10 @@ impl Linear {
         let terms = LinearTerm::free(observation);
         let columns: Vec<_> = terms.iter().map(|term| term.column(products)).collect();
         let residual = products.residual(given);
-        let normal =
-            DMatrix::from_fn(terms.len(), terms.len(), |i, j| products.of(&columns[i], &columns[j]));
-        // Terms that cannot be told from those before them keep what is given.
-        let told = (0..=terms.len()).rev().find_map(|n| Some((n, inverse(&normal, n)?)));
-        let (n, part) = told.expect("no terms have an inverse");
+        let normal = DMatrix::from_fn(terms.len(), terms.len(), |i, j| products.of(&columns[i], &columns[j]));
+        // Terms that are not separable from those before them keep what is given.
+        let separable = (0..=terms.len()).rev().find_map(|n| Some((n, inverse(&normal, n)?)));
+        let (n, part) = separable.expect("no terms have an inverse");
         let right = DVector::from_fn(n, |i, _| products.of(&columns[i], &residual));
         let mut exposure = given;
         for (term, change) in terms.iter().zip(&(&part * right)) {
@@ -74,8 +73,8 @@ impl Linear {
         Self { terms, exposure, inverse }
     }
 
-    /// Whether the image tells the terms apart.
-    pub(crate) fn is_told_apart(&self) -> bool {
+    /// Whether the terms are separately identifiable.
+    pub(crate) fn is_identifiable(&self) -> bool {
         self.inverse.iter().all(|v| v.is_finite())
     }
 }

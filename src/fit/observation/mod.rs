@@ -16,6 +16,7 @@ use crate::scene::{Gain, HIDDEN_SHARE_MAX, Registration};
 
 /// The veil of one channel, in units of the observation.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub enum VeilTerm<'a> {
     /// A known number.
     Fixed(f64),
@@ -27,6 +28,7 @@ pub enum VeilTerm<'a> {
 
 /// The noise of one channel.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub enum NoiseTerm<'a> {
     /// One standard deviation for all pixels.
     Level(f64),

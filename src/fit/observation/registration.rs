@@ -2,8 +2,8 @@
 
 use super::Observation;
 use crate::error::Result;
-use crate::filter::{coarse_shift, shifted};
-use crate::image::{Border, Image};
+use crate::filter::{coarse_shift, moved};
+use crate::image::Image;
 use crate::scene::Registration;
 
 /// Pixels beside those that a shift brings in from outside the view which do not count either: the interpolation rings.
@@ -33,8 +33,10 @@ impl Aligned {
             }
         };
         let shifts_px: Vec<_> = observations.iter().map(shift).collect();
-        let view = |(o, shift): (&Observation, &Option<[f64; 2]>)| shift.map(|shift| View::new(o, shift));
-        let views = observations.iter().zip(&shifts_px).map(view).collect();
+        let view = |(o, shift): (&Observation, &Option<[f64; 2]>)| {
+            shift.map(|shift_px| View::new(o, shift_px)).transpose()
+        };
+        let views = observations.iter().zip(&shifts_px).map(view).collect::<Result<_>>()?;
         Ok(Self { shifts_px, views })
     }
 
@@ -51,9 +53,9 @@ impl Aligned {
 }
 
 impl View {
-    fn new(observation: &Observation, [x, y]: [f64; 2]) -> Self {
+    fn new(observation: &Observation, [x, y]: [f64; 2]) -> Result<Self> {
         let Image { width, height, .. } = *observation.observed;
-        let observed = shifted(observation.observed, Border::Mirror, [-x, -y]);
+        let observed = moved(observation.observed, [-x, -y])?;
         // The pixel (i, j) now shows what was seen at (i + x, j + y), which must lie well within the view.
         let inside = |i: usize, by: f64, n: usize| {
             let seen = i as f64 + by;
@@ -67,6 +69,6 @@ impl View {
             inside(i, x, width) && inside(j, y, height) && !masked()
         };
         let mask = Image::from_fn(width, height, |i, j| f32::from(u8::from(counts(i, j))));
-        Self { observed, mask }
+        Ok(Self { observed, mask })
     }
 }

@@ -22,7 +22,7 @@ pub(crate) struct Begun<'x> {
     pub start: Parameters,
     /// Where it has come so far.
     pub parameters: Parameters,
-    /// Gram matrices, where they can tell of the medium.
+    /// Gram matrices, where they serve the medium.
     pub gram: Option<&'x SceneModels<'x>>,
     /// Renders so far.
     pub evaluations: u64,
@@ -37,10 +37,11 @@ impl<'x> Begun<'x> {
         let engine = task.settings.engine();
         let start = Start::new(task.registered, task.options, &engine, lengths.median);
         let mut medium = Parameters::new(task.options, engine.model, lengths)?;
-        let begun = |start: Parameters, medium: Parameters, gram, [evaluations, gram_evaluations]: [u64; 2]| {
-            let parameters = task.with_nuisances(medium);
-            Self { start, parameters, gram, evaluations, gram_evaluations }
-        };
+        let begun =
+            |start: Parameters, medium: Parameters, gram, [evaluations, gram_evaluations]: [u64; 2]| {
+                let parameters = task.with_nuisances(medium);
+                Self { start, parameters, gram, evaluations, gram_evaluations }
+            };
         let mut searched = 0;
         if let Some(models) = gram {
             let search = search(&medium, &start, task.registered, models, task.settings)?;

@@ -22,7 +22,8 @@ pub(super) fn least_within(
     let mut free = movable.clone();
     for _ in 0..MOST_ROUNDS * bounds.len() {
         let target = minimum(&free, &step, gradient, matrix);
-        let limit = free.iter().filter_map(|&i| reach(&bounds[i], step[i], target[i]).map(|share| (share, i)));
+        let limit =
+            free.iter().filter_map(|&i| reach(&bounds[i], step[i], target[i]).map(|share| (share, i)));
         match limit.min_by(|a, b| a.0.total_cmp(&b.0)) {
             Some((share, stopped)) => {
                 let [low, high] = bounds[stopped];
@@ -110,8 +111,11 @@ mod tests {
     #[test]
     fn a_step_to_a_bound_leads_downhill() {
         // Of a fit at tau 12: ln sigma_s and sigma_a correlated to 0.997. The free step (0.58, -0.14, 0), cut, would lead uphill.
-        let matrix =
-            DMatrix::from_row_slice(3, 3, &[365_905.0, 1_474_454.0, 0.0, 1_474_454.0, 5_976_552.0, 0.0, 0.0, 0.0, 1.0]);
+        let matrix = DMatrix::from_row_slice(
+            3,
+            3,
+            &[365_905.0, 1_474_454.0, 0.0, 1_474_454.0, 5_976_552.0, 0.0, 0.0, 0.0, 1.0],
+        );
         let gradient = DVector::from_vec(vec![-2735.0, -6057.0, 0.0]);
         let bounds = [[-0.139, 0.139], [-0.0972, 0.7], [0.0, 0.0]];
         let free = solve(matrix.clone(), &-&gradient);
@@ -119,13 +123,19 @@ mod tests {
         assert!(model(&gradient, &matrix, &cut) > 0.0, "{cut}");
         let found = least_within(&bounds, &gradient, &matrix);
         // sigma_s on its bound, and sigma_a where the gradient then vanishes.
-        assert!((found[0] - 0.139).abs() < 1e-12 && (&gradient + &matrix * &found)[1].abs() < 1e-6, "{found}");
+        assert!(
+            (found[0] - 0.139).abs() < 1e-12 && (&gradient + &matrix * &found)[1].abs() < 1e-6,
+            "{found}"
+        );
         let wide = [[-1.0, 1.0], [-1.0, 1.0], [0.0, 0.0]];
         assert!((least_within(&wide, &gradient, &matrix) - free).norm() < 1e-9);
         let grid = (-20..=20).flat_map(|i| (-20..=20).map(move |j| [i, j]));
         for [i, j] in grid {
-            let s = DVector::from_vec(vec![0.139 * f64::from(i) / 20.0, 0.3 + 0.4 * f64::from(j) / 20.0, 0.0]);
-            assert!(s[1] < bounds[1][0] || model(&gradient, &matrix, &s) >= model(&gradient, &matrix, &found));
+            let s =
+                DVector::from_vec(vec![0.139 * f64::from(i) / 20.0, 0.3 + 0.4 * f64::from(j) / 20.0, 0.0]);
+            assert!(
+                s[1] < bounds[1][0] || model(&gradient, &matrix, &s) >= model(&gradient, &matrix, &found)
+            );
         }
     }
 

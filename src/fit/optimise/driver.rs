@@ -123,8 +123,8 @@ impl<'x, 'a> Driver<'x, 'a> {
             }
             let served = settlement.coverage.served;
             if !served || self.phase == Phase::Scouting {
-                let scouts = self.phase == Phase::Scouting && !served && self.round < MOST_SCOUTING_ROUNDS;
-                self.prepare(if scouts { Phase::Scouting } else { Phase::Fitting })?;
+                let scouting = self.phase == Phase::Scouting && !served && self.round < MOST_SCOUTING_ROUNDS;
+                self.prepare(if scouting { Phase::Scouting } else { Phase::Fitting })?;
             }
         }
     }
@@ -141,14 +141,17 @@ impl<'x, 'a> Driver<'x, 'a> {
             Phase::Fitting => engine,
         };
         self.phase = phase;
-        self.models = SceneModels::prepare(self.task.observations, &self.observed, &self.parameters, &engine)?;
+        self.models =
+            SceneModels::prepare(self.task.observations, &self.observed, &self.parameters, &engine)?;
         Ok(())
     }
 
     /// Takes the medium from the Gram matrices, if there are any. What they see is registered as it was at first, so a fit
     /// that registers listens to them once.
     fn consult_gram(&mut self) -> Result<()> {
-        let Some(gram) = self.gram.filter(|_| self.round == 1 || !self.task.registers()) else { return Ok(()) };
+        let Some(gram) = self.gram.filter(|_| self.round == 1 || !self.task.registers()) else {
+            return Ok(());
+        };
         let medium = self.parameters.medium_alone();
         let registered = self.task.weighted_as(&self.observed);
         let problem = Problem::new(gram, &registered, &medium, &|| ());
@@ -171,7 +174,7 @@ impl<'x, 'a> Driver<'x, 'a> {
         Ok(outcome)
     }
 
-    /// Estimates anew what depends on the optimum, whose `equations` these are.
+    /// Estimates again what depends on the optimum, whose `equations` these are.
     fn settle(&mut self, equations: &NormalEquations) -> Result<Settlement> {
         let images = self.exposed(equations, self.models.images(&self.parameters)?);
         let change = self.estimate_noise(equations, &images)?;

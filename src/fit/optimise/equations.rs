@@ -13,7 +13,7 @@ use nalgebra::{DMatrix, DVector};
 pub(crate) struct Eliminated {
     pub linear: Linear,
     pub chi2: f64,
-    /// Covariance of the linear terms at given parameters; NaN if the image cannot tell them apart.
+    /// Covariance of the linear terms at given parameters; NaN if they are not separately identifiable.
     pub covariance: DMatrix<f64>,
     /// Change of the linear terms with the coordinates.
     pub coupling: DMatrix<f64>,
@@ -54,7 +54,13 @@ impl NormalEquations {
     }
 
     /// Adds scene number `scene`, `observed`, from the `products` of what was rendered at `parameters`.
-    pub(crate) fn add(&mut self, scene: usize, observed: &Observed, products: &Products, parameters: &Parameters) {
+    pub(crate) fn add(
+        &mut self,
+        scene: usize,
+        observed: &Observed,
+        products: &Products,
+        parameters: &Parameters,
+    ) {
         let linear = observed.linear(products);
         let residual = products.residual(linear.exposure);
         let square = products.of(&residual, &residual);
@@ -67,14 +73,15 @@ impl NormalEquations {
         let scaling = DMatrix::from_diagonal(&scale);
         let direct = &scaling * products.of_derivatives() * &scaling * w;
 
-        let columns = linear.terms.iter().map(|term| {
-            products.with_derivatives(&term.column(products)).component_mul(&scale).transpose()
-        });
+        let columns = linear
+            .terms
+            .iter()
+            .map(|term| products.with_derivatives(&term.column(products)).component_mul(&scale).transpose());
         let terms = linear.terms.len();
         let mut across = DMatrix::zeros(terms, rows.len());
         across.row_iter_mut().zip(columns).for_each(|(mut row, column)| row.copy_from(&column));
         let projection =
-            if linear.is_told_apart() { linear.inverse.clone() } else { DMatrix::zeros(terms, terms) };
+            if linear.is_identifiable() { linear.inverse.clone() } else { DMatrix::zeros(terms, terms) };
         let coupling = -(&projection * &across);
         let matrix = &direct + across.transpose() * &coupling * w;
 

@@ -20,4 +20,4 @@ pub(super) use scene_models::SceneModels;
 pub(super) use start::OTHER_WIDTHS;
 pub(super) use task::Task;
 
-pub use scene_models::PathsUsed;
+pub use scene_models::{HEADROOM, PathsUsed};

@@ -67,7 +67,8 @@ impl<'x> Problem<'x> {
         if equations.is_finite() {
             return Ok(equations);
         }
-        let place: Vec<String> = parameters.iter().map(|(_, p)| format!("{} = {}", p.name(), p.value())).collect();
+        let place: Vec<String> =
+            parameters.iter().map(|(_, p)| format!("{} = {}", p.name(), p.value())).collect();
         Err(Error::NotFinite(format!("the cost is not finite at {}", place.join(", "))))
     }
 

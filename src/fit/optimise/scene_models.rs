@@ -8,7 +8,7 @@ use crate::forward::{Engine, ForwardModel, GramModel, Radius};
 use crate::image::Image;
 
 /// How much wider than at the start the kernels may become before a fit is planned again.
-const HEADROOM: f64 = 1.4;
+pub const HEADROOM: f64 = 1.4;
 
 /// One forward model a scene.
 pub(crate) struct SceneModels<'a>(Vec<Box<dyn ForwardModel + 'a>>);

@@ -24,7 +24,7 @@ pub(crate) struct Found {
 
 /// What a search has found.
 pub(crate) struct Search {
-    /// The best; `None` if the matrices cannot tell of the medium there.
+    /// The best; `None` if the matrices do not serve the medium there.
     pub best: Option<Found>,
     /// Evaluations by Gram matrices.
     pub evaluations: u64,

@@ -2,7 +2,7 @@
 //!
 //! Fine detail survives only in the direct light, so the regression of the observation's Laplacian on the object's
 //! gives the direct share T; the ratio of the mean levels gives what was not absorbed. Hence sigma_t and sigma_a,
-//! and sigma_s between them. The lobe's width is the best of a few tried with the real renderer, and so is the split
+//! and sigma_s between them. The width of the phase function is the best of a few tried with the real renderer, and so is the split
 //! itself: in thick media the blurred light is taken for direct light, so larger depths are tried too. Light that a
 //! wide kernel carries out of the view lowers the level as absorption does, so each trial has its own absorption.
 

@@ -1,7 +1,7 @@
 //! The parameters of the medium, as the user asks for them.
 
-use super::parameter::{Bounds, Descriptor, Parameter, Role};
 use super::Coordinate;
+use super::parameter::{Bounds, Descriptor, Parameter, Role};
 use crate::error::{Result, in_range};
 use crate::forward::Quantity;
 use crate::geometry::PathLengths;
@@ -17,7 +17,7 @@ const SIGMA_A: Bounds = [0.0, 30.0];
 const B: Bounds = [1e-8, 0.274];
 /// The same of a model that has no range of its own: the widest is the same in all directions to a tenth.
 const B_OF_ANY_ANGLE: Bounds = [1e-8, 25.0];
-/// Default bounds of g: from where a lobe begins to one as narrow as B's.
+/// Default bounds of g: from where forward scattering begins to stand out, up to a phase function as narrow as B's.
 const G: Bounds = [0.3, 0.9999];
 
 /// Longest step in a logarithm; that of sigma_a is set by its bounds.

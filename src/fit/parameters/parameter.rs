@@ -8,6 +8,7 @@ pub type Bounds = [f64; 2];
 
 /// Whether a fit moves a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Role {
     /// The fit moves it.
     Free,
@@ -133,7 +134,7 @@ impl Parameter {
     }
 
     /// Whether it is free and lies on one of its bounds.
-    pub(crate) fn is_at_bound(&self) -> bool {
+    pub fn is_at_bound(&self) -> bool {
         let [low, high] = self.bounds();
         let margin = |bound: f64| 1e-9 * bound.abs();
         self.is_free() && (self.value <= low + margin(low) || self.value >= high - margin(high))

@@ -40,7 +40,7 @@ impl Fit {
             command: None,
             determined: Vec::new(),
             advice: Vec::new(),
-            ladder: Vec::new(),
+            candidates: Vec::new(),
             warnings: Vec::new(),
         };
         for (name, fit) in channels {

@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
 #[serde(untagged)]
+#[non_exhaustive]
 pub enum Derived {
     /// With its standard error.
     Estimate {
@@ -23,6 +24,16 @@ pub enum Derived {
     Number(f64),
     /// In words.
     Words(String),
+}
+
+impl Derived {
+    /// Its value; `None` if it is in words.
+    pub fn value(&self) -> Option<f64> {
+        match self {
+            Self::Estimate { value, .. } | Self::Number(value) => Some(*value),
+            Self::Words(_) => None,
+        }
+    }
 }
 
 /// What follows from the parameters of one channel.

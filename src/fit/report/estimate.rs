@@ -71,7 +71,7 @@ impl Estimate {
         let there = |value: f64| (!parameter.is_absent()).then_some(value);
         Self {
             value: there(value),
-            std_error: error.map(|e| e * slope),
+            std_error: fit.std_error(parameter.name()),
             relative_error: error.filter(|_| value > 0.0).map(|e| e * (slope / value)),
             model_error: model_error.map(|e| e * slope),
             input_error: input_error.map(|e| e * slope),

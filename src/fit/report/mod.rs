@@ -64,8 +64,8 @@ pub struct Fit {
     /// Which measurement would free what is undetermined, the best first; empty if nothing is.
     pub advice: Vec<AdviceReport>,
     /// The models that were tried, cheapest first; empty if one was asked for.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub ladder: Vec<Candidate>,
+    #[serde(rename = "ladder", default, skip_serializing_if = "Vec::is_empty")]
+    pub candidates: Vec<Candidate>,
     /// What the user should know.
     pub warnings: Vec<Warning>,
 }

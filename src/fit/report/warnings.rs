@@ -1,4 +1,4 @@
-//! What a fit tells its user besides numbers.
+//! What a fit warns its user of.
 
 use super::text::significant;
 use super::{Regime, Warning, WarningCode};
@@ -8,7 +8,7 @@ use crate::fit::inference::{ChannelFit, LACKING, Status};
 use crate::forward::Quantity;
 use crate::spread::{Model, SMALL_ANGLE_LIMIT, small_angle_error};
 
-/// Width of the kernel in views above which the image does not tell its shape: phase functions of Henyey and Greenstein of
+/// Width of the kernel in views above which the image does not show its shape: phase functions of Henyey and Greenstein of
 /// g = 0.8 then pass for a Gaussian with 20 % less scattering (docs/stability.md).
 const WIDE_KERNEL: f64 = 0.5;
 /// Standard errors by which the data must want a parameter beyond its bound before that is no accident.
@@ -58,7 +58,7 @@ fn undetermined(case: &Case) -> Option<Warning> {
     (!names.is_empty()).then(|| Warning::new(WarningCode::Undetermined, message()))
 }
 
-/// Why parameters are undetermined, and what is known all the same.
+/// Why parameters are undetermined, and what is known in spite of that.
 fn why(&Case { fit, model, .. }: &Case) -> String {
     if !model.spreads() {
         return "direct light alone shows only sigma_t; fix sigma_s or sigma_a, or use a model that spreads light".into();
@@ -113,7 +113,7 @@ fn lack_of_fit(&Case { suffix, fit, .. }: &Case) -> Option<Warning> {
     let message = || {
         format!(
             "the residual{suffix} is not noise: averaged over blocks of pixels it is {:.0} standard deviations above \
-             what noise leaves; the lobe may not be {family}, the medium not homogeneous, gain, veil or depth wrong, \
+             what noise leaves; the phase function may not be {family}, the medium not homogeneous, gain, veil or depth wrong, \
              pixels saturated; the intervals do not hold that",
             fit.lack_of_fit
         )
@@ -124,8 +124,8 @@ fn lack_of_fit(&Case { suffix, fit, .. }: &Case) -> Option<Warning> {
 fn wide_kernel(&Case { suffix, fit, model }: &Case) -> Option<Warning> {
     let regime = Regime::of(fit).filter(|r| model.spreads() && r.kernel_width_views > WIDE_KERNEL)?;
     let message = format!(
-        "the kernel{suffix} is {:.1} views wide: the image shows only its core, so the estimates rest on a lobe that \
-         is {}, which the residual cannot tell; look at more of the scene",
+        "the kernel{suffix} is {:.1} views wide: the image shows only its core, so the estimates rest on a phase function \
+         that is {}, which the residual cannot check; look at more of the scene",
         regime.kernel_width_views, regime.family
     );
     Some(Warning::new(WarningCode::WideKernel, message))
@@ -138,7 +138,10 @@ fn at_bound(&Case { suffix, fit, .. }: &Case) -> Option<Warning> {
     });
     let pressed: Vec<String> = pressed.map(|(_, p)| format!("{}{suffix}", p.name())).collect();
     let message = || {
-        format!("on a bound, beyond which the data want it, and where the interval is cut: {}", pressed.join(", "))
+        format!(
+            "on a bound, beyond which the data want it, and where the interval is cut: {}",
+            pressed.join(", ")
+        )
     };
     (!pressed.is_empty()).then(|| Warning::new(WarningCode::AtBound, message()))
 }
@@ -147,12 +150,12 @@ fn model_error(&Case { suffix, fit, model }: &Case) -> Option<Warning> {
     let mut free = fit.with_status(Status::Free).peekable();
     let Some(error) = &fit.model_error else {
         free.peek()?;
-        let message =
-            format!("the error of {model}{suffix} is not known at this medium, beyond the range of wide-angle");
+        let message = format!(
+            "the error of {model}{suffix} is not known at this medium, beyond the range of wide-angle"
+        );
         return Some(Warning::new(WarningCode::ModelErrorUnknown, message));
     };
-    let in_scales =
-        |id| error.bias_of(&fit.parameters.along(id)).abs() / fit.parameters.get(id).scale();
+    let in_scales = |id| error.bias_of(&fit.parameters.along(id)).abs() / fit.parameters.get(id).scale();
     let worst = free.map(in_scales).fold(0.0, f64::max);
     let message = || {
         format!(
@@ -187,6 +190,5 @@ fn thick(&Case { suffix, fit, model }: &Case) -> Option<Warning> {
             "tau{suffix} = {tau:.1} is above {THICKEST}, up to which fits by {model} are tested; look through less of the medium"
         )
     };
-    (model == Model::Traced && tau > THICKEST)
-        .then(|| Warning::new(WarningCode::OutsideValidity, message()))
+    (model == Model::Traced && tau > THICKEST).then(|| Warning::new(WarningCode::OutsideValidity, message()))
 }

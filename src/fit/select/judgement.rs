@@ -95,7 +95,9 @@ impl<'a> Known<'a> {
     /// The name of what an error of its coordinate is relative to.
     fn relative_name<'p>(&self, parameter: &'p Parameter) -> &'p str {
         match self.parameters.family() {
-            Family::HenyeyGreenstein if parameter.name() == Family::HenyeyGreenstein.parameter_name() => "1 - g",
+            Family::HenyeyGreenstein if parameter.name() == Family::HenyeyGreenstein.parameter_name() => {
+                "1 - g"
+            }
             _ => parameter.name(),
         }
     }

@@ -34,7 +34,7 @@ pub const SEQUENCE: [Model; 6] = [
 
 /// BIC by which the next model must be better for a misfit to be the model's: very strong evidence (Kass and Raftery 1995).
 const EVIDENCE: f64 = 10.0;
-/// How much worse than allowed the error of a model may look from the pilot's medium for the model to be fitted all the same:
+/// How much worse than allowed the error of a model may look from the pilot's medium for the model to be fitted in spite of that:
 /// the pilot may be off, and the prediction is of first order.
 const BENEFIT: f64 = 2.0;
 /// The model whose fit says where the others are looked at first.
@@ -129,7 +129,7 @@ impl Tried {
         let taken = self.taken.or(self.undetermined).unwrap_or(last);
         self.candidates[taken].taken = true;
         let mut fit = self.fits.swap_remove(taken).expect("what is taken was fitted");
-        fit.report.ladder = self.candidates;
+        fit.report.candidates = self.candidates;
         fit
     }
 }

@@ -72,7 +72,7 @@ impl Prospect {
         Self::new(&planned, parameters, settings, progress).map(Some)
     }
 
-    /// What the scenes of `planned` tell of `parameters`, and the error of the model there.
+    /// What the scenes of `planned` determine of `parameters`, and the error of the model there.
     pub(crate) fn new<'a>(
         planned: &Planned<'_, 'a>,
         parameters: Parameters,

@@ -3,7 +3,7 @@
 //! Paths are traced once, in a medium near the one sought, and then replayed with the weights of another medium
 //! (perturbation Monte Carlo). An evaluation is a sum over the same paths, so the cost is a smooth function with exact
 //! derivatives. They serve as long as the relative effective sample size
-//! ([`Effective`](crate::trace::Effective)) is large enough; then they are traced again.
+//! ([`EffectiveSampleSize`](crate::trace::EffectiveSampleSize)) is large enough; then they are traced again.
 //!
 //! - *A plane seen by parallel rays* has one kernel for all pixels, and paths make that ([`plane`]).
 //! - *Depth maps and perspective views* have paths of their own at every pixel, followed to the real surface ([`surface`]).
@@ -38,8 +38,8 @@ const PLANE_PATHS: u64 = 1 << 20;
 
 /// Share of the paths that must carry the weight for a step to be trusted.
 const TRUSTED: f64 = 1.0 / 3.0;
-/// Share above which paths count as traced in the medium itself. Of scouts that is not asked: their noise alone may lead them
-/// that far at every turn.
+/// Share above which paths count as traced in the medium itself. Of the few paths that seek the medium this is not asked: their noise alone may
+/// lead them that far at every turn.
 const FRESH: f64 = 0.9;
 
 /// Paths that render a scene, all or some batches of them.
@@ -89,7 +89,7 @@ impl<'a> Replayed<'a> {
             Radius { quantity, linear, logarithmic }
         };
         let radii = Quantity::MEDIUM.into_iter().zip(linear).map(radius).collect();
-        let enough = if tracing.are_scouts() { TRUSTED } else { FRESH };
+        let enough = if tracing.are_few() { TRUSTED } else { FRESH };
         let trust = Trust { origin: *state, radii };
         Ok(Self { paths, trust, enough, latest: RefCell::new(None) })
     }
@@ -177,7 +177,12 @@ pub(super) fn render(
 }
 
 /// Traces the paths of scene number `scene`.
-fn trace<'a>(target: Target<'a>, medium: &Medium, tracing: Tracing, scene: u64) -> Result<Box<dyn Paths + 'a>> {
+fn trace<'a>(
+    target: Target<'a>,
+    medium: &Medium,
+    tracing: Tracing,
+    scene: u64,
+) -> Result<Box<dyn Paths + 'a>> {
     match *medium.phase() {
         Phase::Gaussian(phase) => trace_in(target, &medium.with_phase(phase), tracing, scene),
         Phase::HenyeyGreenstein(phase) => trace_in(target, &medium.with_phase(phase), tracing, scene),

@@ -1,6 +1,6 @@
 //! A plane seen by parallel rays: its kernel from path statistics, its image from the object blurred by Gaussians.
 //!
-//! Of every path count n, L, its deflections and the radius r of its crossing. Reweighted and summed in bins of radius
+//! Of every path count n, L, its deflections and the radius r of its crossing. Replayed and summed in bins of radius
 //! they make the transfer function M(k) - T = sum over bins of light · mean of J0(kr), with derivatives by likelihood ratios.
 //! As in the Gram matrix of a scene, a mixture of Gaussians stands for that kernel ([`Basis`]), and evens its noise out.
 
@@ -15,8 +15,8 @@ use crate::medium::Medium;
 use crate::relief::Relief;
 use crate::spread::Dual;
 use crate::trace::{
-    BATCHES, Effective, Histories, History, Information, Likelihood, Reweighting, Scattered,
-    annulus_mean, log_spaced, trace_histories,
+    BATCHES, EffectiveSampleSize, Information, Likelihood, PathRecord, PathRecords, Replay, Scattered,
+    annulus_mean, log_spaced, trace_paths,
 };
 use rayon::prelude::*;
 use std::ops::Range;
@@ -56,14 +56,14 @@ impl<'a> Plane<'a> {
         let edges = edges();
         let each = paths.div_ceil(BATCHES as u64);
         let batch = |i: u64| {
-            let histories = trace_histories(
+            let records = trace_paths(
                 scaled,
                 Scattered::Once,
                 each,
                 seed.wrapping_mul(BATCHES as u64).wrapping_add(i),
             )?;
-            let bin = |h: &History<P::Memory>| edges.partition_point(|&e| e <= f64::from(h.radius)) as u16;
-            Ok(Batch { bins: histories.paths.iter().map(bin).collect(), histories })
+            let bin = |h: &PathRecord<P::Memory>| edges.partition_point(|&e| e <= f64::from(h.radius)) as u16;
+            Ok(Batch { bins: records.paths.iter().map(bin).collect(), records })
         };
         Ok(TracedPlane {
             images: self.basis.all_images(),
@@ -81,7 +81,7 @@ fn in_depths<P: Copy>(medium: &Medium<P>, z: f64) -> Result<Medium<P>> {
 
 /// Independent paths, and the radius bin of each.
 struct Batch<P: Likelihood> {
-    histories: Histories<P>,
+    records: PathRecords<P>,
     bins: Vec<u16>,
 }
 
@@ -99,19 +99,19 @@ impl<P: Likelihood> TracedPlane<'_, P> {
         in_depths(&of_family(medium)?, self.plane.node.z)
     }
 
-    fn reweighting(&self, to: &Medium<P>) -> Reweighting {
-        Reweighting::new(&self.batches[0].histories.medium, to)
+    fn replay(&self, to: &Medium<P>) -> Replay {
+        Replay::new(&self.batches[0].records.medium, to)
     }
 
     /// Light in each bin of radius, by some batches, with its derivatives in sigma_s z, sigma_a z and the shape.
     fn light(&self, medium: &Medium<P>, batches: Range<usize>) -> Vec<Dual> {
-        let reweighting = self.reweighting(medium);
+        let replay = self.replay(medium);
         let share = 1.0 / batches.len() as f64;
         let of = |batch: &Batch<P>| {
             let mut light = vec![Dual::default(); self.edges.len() + 1];
-            for (path, &bin) in batch.histories.paths.iter().zip(&batch.bins) {
-                let weight = reweighting.of(path.scatterings, path.length, path.memory.as_ref());
-                let value = share * batch.histories.weight * weight.ratio;
+            for (path, &bin) in batch.records.paths.iter().zip(&batch.bins) {
+                let weight = replay.weight(path.scatterings, path.length, path.memory.as_ref());
+                let value = share * batch.records.weight * weight.ratio;
                 light[bin as usize] =
                     light[bin as usize] + Dual { value, gradient: weight.slopes.map(|s| value * s) };
             }
@@ -153,20 +153,20 @@ impl<P: Likelihood> Paths for TracedPlane<'_, P> {
     }
 
     fn relative_sample_size(&self, medium: &Medium) -> Result<f64> {
-        let reweighting = self.reweighting(&self.scaled(medium)?);
-        let mut effective = Effective::default();
-        for path in self.batches.iter().flat_map(|b| &b.histories.paths) {
-            let ratio = reweighting.of(path.scatterings, path.length, path.memory.as_ref()).ratio;
+        let replay = self.replay(&self.scaled(medium)?);
+        let mut effective = EffectiveSampleSize::default();
+        for path in self.batches.iter().flat_map(|b| &b.records.paths) {
+            let ratio = replay.weight(path.scatterings, path.length, path.memory.as_ref()).ratio;
             effective.add(1.0, ratio);
         }
-        Ok(effective.share())
+        Ok(effective.relative())
     }
 
     fn information(&self) -> [f64; 3] {
-        let reweighting = self.reweighting(&self.batches[0].histories.medium);
+        let replay = self.replay(&self.batches[0].records.medium);
         let mut information = Information::default();
-        for path in self.batches.iter().flat_map(|b| &b.histories.paths) {
-            information.add(1.0, reweighting.of(path.scatterings, path.length, path.memory.as_ref()).slopes);
+        for path in self.batches.iter().flat_map(|b| &b.records.paths) {
+            information.add(1.0, replay.weight(path.scatterings, path.length, path.memory.as_ref()).slopes);
         }
         let ([tau, absorption, phase], z) = (information.of_a_path(), self.plane.node.z);
         [z * z * tau, z * z * absorption, phase]
@@ -177,6 +177,6 @@ impl<P: Likelihood> Paths for TracedPlane<'_, P> {
     }
 
     fn count(&self) -> u64 {
-        self.batches.iter().map(|b| b.histories.paths.len() as u64).sum()
+        self.batches.iter().map(|b| b.records.paths.len() as u64).sum()
     }
 }

@@ -38,7 +38,7 @@ impl<P: Likelihood> Paths for Hits<P> {
     }
 
     fn relative_sample_size(&self, medium: &Medium) -> Result<f64> {
-        Ok(Hits::effective_share(self, &of_family(medium)?))
+        Ok(Hits::relative_sample_size(self, &of_family(medium)?))
     }
 
     fn information(&self) -> [f64; 3] {

@@ -3,7 +3,7 @@
 /// Most that are traced for a scene, for the sake of memory.
 pub const MOST_PATHS: u64 = 1 << 26;
 /// Share of them with which the medium is sought.
-const SCOUTS: f64 = 0.125;
+const FEW: f64 = 0.125;
 
 /// What the model `traced` traces.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,10 +23,10 @@ impl Tracing {
     }
 
     pub(crate) fn fewer(self) -> Self {
-        Self { share: SCOUTS, ..self }
+        Self { share: FEW, ..self }
     }
 
-    pub(super) fn are_scouts(self) -> bool {
+    pub(super) fn are_few(self) -> bool {
         self.share < 1.0
     }
 

@@ -60,7 +60,7 @@ pub fn size(path: &Path) -> Result<(usize, usize)> {
     Ok((header.layer_size.0, header.layer_size.1))
 }
 
-/// Runs the decoder. Damaged bytes are not known to make it panic; should they, it is the file's fault all the same.
+/// Runs the decoder. Damaged bytes are not known to make it panic; if they ever do, it is still the file's fault.
 fn guarded<T>(
     decode: impl FnOnce() -> std::result::Result<T, String> + UnwindSafe,
 ) -> std::result::Result<T, String> {

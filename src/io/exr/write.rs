@@ -13,7 +13,7 @@ use std::path::Path;
 
 /// Writes `channels`, all of one size, as 32-bit floats without compression, whole or not at all. Each pair of
 /// `provenance` becomes a text attribute: `software` the one of that name, any other key (`version`, `command`,
-/// `seed`) one with `narrowbeam:` before it, since the format keeps some names, `version` among them, to itself.
+/// `seed`) one with `narrowbeam:` before it, since the format reserves some names, `version` among them.
 ///
 /// # Errors
 /// [`Error::Write`] with the path.
@@ -35,7 +35,7 @@ fn encode(
     assert!(channels.iter().all(|c| (c.image.width, c.image.height) == size), "channels of one size");
     let list = channels.iter().map(|c| {
         let samples = FlatSamples::F32(c.image.data.clone());
-        // Light is linear, as the format's flag for the eye's response asks to be told.
+        // The format's flag for the eye's response: light is linear.
         AnyChannel {
             name: text(&c.name),
             sample_data: samples,
@@ -54,7 +54,7 @@ fn encode(
         }
     }
     let encoding = Encoding {
-        // The digits of an image with noise do not shrink: of a render 2 % would be saved, of a residual nothing.
+        // The digits of an image with noise do not shrink: compression would save 2 % of a render and nothing of a residual.
         compression: Compression::Uncompressed,
         blocks: Blocks::ScanLines,
         line_order: LineOrder::Increasing,

@@ -2,8 +2,8 @@
 //!
 //! The first statistic is the worst error of the encircled energy over the radii that matter: with E the scattered light
 //! within radius r, S the traced scattered total and r50 the median radius of the traced scattered light,
-//! max |E_model(r) - E_traced(r)| / S over the tally's edges up to 6 r50. It sees a wrong total as well as a wrong
-//! shape, and unlike the second moment it is not decided by the few grazing paths of wide-angle scattering.
+//! max |E_model(r) - E_traced(r)| / S over the tally's edges up to 6 r50. It responds to a wrong total as well as to a
+//! wrong profile, and unlike the second moment it does not depend on the few grazing paths of wide-angle scattering.
 //! Beside it stands the relative [rms error](rms_error) of the light per radius, which is the paper's kind of error.
 
 mod rms;
@@ -91,7 +91,7 @@ mod tests {
 
     #[test]
     fn the_stated_error_is_the_scatter_between_seeds() {
-        // A kernel wrong by a fifth of the light: its worst error stays near one radius, so that it scatters normally.
+        // A kernel wrong by a fifth of the light: its worst error stays near one radius, so that it is normally distributed.
         let kernel = Model::SingleScatter.kernel(&medium(), 1.0).unwrap();
         let worst: Vec<_> = (0..60)
             .map(|seed| worst_encircled_error(&traced(seed, 4_000), &*kernel).unwrap().share)
@@ -100,7 +100,7 @@ mod tests {
         let mean = worst.iter().map(|e| e.value).sum::<f64>() / n;
         let scatter = (worst.iter().map(|e| (e.value - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
         let stated = worst.iter().map(|e| e.std_error).sum::<f64>() / n;
-        // The scatter of 60 is itself known to 9 %.
+        // The standard deviation of 60 values is itself known to 9 %.
         assert!((stated / scatter - 1.0).abs() < 0.3, "stated {stated}, scatter {scatter}");
     }
 }

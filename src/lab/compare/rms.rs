@@ -1,23 +1,23 @@
 //! The relative rms error of a kernel: how far its light per radius lies from the traced one, ring by ring.
 //!
-//! With t the traced and m the kernel's light per radius, 2 pi r Psi averaged over each of the rings of equal width that
-//! share out the radii,
+//! With t the traced and m the kernel's light per radius, 2 pi r Psi averaged over each of the rings of equal width
+//! between the axis and the largest radius,
 //!
 //! ```text
 //! e² = sum (m - t)² / sum t²
 //! ```
 //!
 //! A kernel without light has e = 1. The traced values are known to standard errors s only, which would add sum s² to
-//! the sum above and to the sum below on average; both are taken off.
+//! the sum above and to the sum below on average; both are subtracted.
 
 use crate::trace::Estimate;
 
 /// The error of a kernel over all rings, relative to the rms of the traced light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RmsError {
-    /// e, the noise of the tracing taken off, with the standard error that this noise leaves.
+    /// e, with the noise of the tracing subtracted, and the standard error that this noise leaves.
     pub error: Estimate,
-    /// sqrt(sum s² / sum t²): what a perfect kernel would show, were the noise not taken off.
+    /// sqrt(sum s² / sum t²): what a perfect kernel would show if the noise were not subtracted.
     pub noise: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Figure 4: maps of 2 pi r Psi over (r, z) for several spread angles, sigma_t = 1, sigma_s = .95.
+//! Figure 4: maps of 2 pi r Psi over (r, z) for several spread angles, sigma_t = 1, sigma_s = 0.95.
 
 use super::{ALBEDO, Effort, Experiment, Plane};
 
@@ -11,7 +11,7 @@ pub const DEEPEST: f64 = 3.0;
 /// Largest radius, mean free paths.
 pub const FARTHEST: f64 = 1.5;
 
-/// One experiment a spread angle: planes evenly spaced, rings of one width at all of them.
+/// One experiment per spread angle: planes evenly spaced, rings of one width at all of them.
 pub fn experiments(effort: Effort) -> Vec<Experiment> {
     let (planes, rings, paths) = match effort {
         Effort::Full => (60, 120, 10_000_000),

@@ -1,4 +1,4 @@
-//! Figure 5: the relative rms error of the kernels against the spread angle, sigma_t = 1, sigma_s = .95, at z = 1, 2, 3.
+//! Figure 5: the relative rms error of the kernels against the spread angle, sigma_t = 1, sigma_s = 0.95, at z = 1, 2, 3.
 //!
 //! The paper does not define its error. Ours is that of 2 pi r Psi over 0 < r < 3 z, see [`crate::lab::compare::rms_error`].
 
@@ -23,7 +23,7 @@ pub(super) fn paths(effort: Effort) -> u64 {
     }
 }
 
-/// One experiment a spread angle, from 5 to 60 degrees.
+/// One experiment per spread angle, from 5 to 60 degrees.
 pub fn experiments(effort: Effort) -> Vec<Experiment> {
     let experiment = |i: u64| Experiment {
         albedo: ALBEDO,

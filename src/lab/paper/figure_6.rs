@@ -9,7 +9,7 @@ pub const ALBEDOS: [f64; 2] = [0.7, 0.99];
 /// sqrt(4 B), degrees.
 pub const SPREAD_ANGLE_DEG: f64 = 30.0;
 
-/// One experiment an albedo, in the rings of figure 5.
+/// One experiment per albedo, in the rings of figure 5.
 pub fn experiments(effort: Effort) -> Vec<Experiment> {
     let experiment = |(i, albedo): (usize, f64)| Experiment {
         albedo,

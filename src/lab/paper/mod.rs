@@ -7,12 +7,12 @@
 //!
 //! | figure | what varies | what is compared |
 //! | --- | --- | --- |
-//! | [4](figure_4) | spread angle; sigma_s = .95 | maps over (r, z) |
-//! | [5](figure_5) | spread angle 5 to 60 degrees; sigma_s = .95 | relative rms error at z = 1, 2, 3 |
-//! | [6](figure_6) | albedo .7 and .99; 30 degrees | profiles at z = 1, 2, 3 |
+//! | [4](figure_4) | spread angle; sigma_s = 0.95 | maps over (r, z) |
+//! | [5](figure_5) | spread angle 5 to 60 degrees; sigma_s = 0.95 | relative rms error at z = 1, 2, 3 |
+//! | [6](figure_6) | albedo 0.7 and 0.99; 30 degrees | profiles at z = 1, 2, 3 |
 //! | [8](figure_8) | - | no experiment: a picture synthesized from depths and reflectance |
 //!
-//! `narrowbeam reproduce` draws them; docs/paper.md holds the outcome against the paper's claims.
+//! `narrowbeam reproduce` draws them; docs/paper.md compares the results with the paper's claims.
 
 pub mod figure_4;
 pub mod figure_5;
@@ -27,7 +27,7 @@ use crate::spread::Model;
 /// How much is traced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Effort {
-    /// For the figures: noise well below every difference that is talked about.
+    /// For the figures: noise well below every difference that is discussed.
     Full,
     /// For a check in seconds.
     Quick,

@@ -57,10 +57,10 @@ pub struct Rings {
 }
 
 impl Experiment {
-    /// Traces the beam and evaluates the kernels; `progress` is told the number of paths of each finished piece of work.
+    /// Traces the beam and evaluates the kernels; `progress` receives the number of paths of each finished chunk.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for an experiment that makes no sense; [`Error::NotFinite`] with model and place.
+    /// [`Error::OutOfRange`] for an experiment with impossible numbers; [`Error::NotFinite`] with model and place.
     pub fn run(&self, progress: &(dyn Fn(u64) + Sync)) -> Result<Vec<Rings>> {
         let b = b_of_spread_angle(self.spread_angle_deg.to_radians());
         let medium = Medium::gaussian(self.albedo, 1.0 - self.albedo, b)?;
@@ -158,7 +158,7 @@ impl Rings {
 mod tests {
     use super::*;
 
-    /// Thin light at 5 degrees in rings that hold some ten photons each where it is faint.
+    /// Faint light at 5 degrees: in the outer rings some ten photons each.
     fn experiment(seed: u64, paths: u64) -> Experiment {
         let planes = vec![Plane { z: 1.0, steps: 1 }];
         Experiment { albedo: 1.0, spread_angle_deg: 5.0, planes, rings: 60, step: 0.01, paths, seed }
@@ -171,7 +171,7 @@ mod tests {
 
     #[test]
     fn the_error_does_not_depend_on_the_number_of_photons() {
-        // The noise of the few photons alone is .06, and would raise an error of .09 to .11.
+        // The noise of the few photons alone is 0.06, and would raise an error of 0.09 to 0.11.
         let (few, many) = (error_of(Model::NarrowBeam, 1, 4_000), error_of(Model::NarrowBeam, 2, 2_000_000));
         assert!(few.noise > 20.0 * many.noise);
         let bound = 4.0 * few.error.std_error.hypot(many.error.std_error);
@@ -187,7 +187,7 @@ mod tests {
         let mean = errors.iter().map(|e| e.value).sum::<f64>() / n;
         let scatter = (errors.iter().map(|e| (e.value - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
         let stated = errors.iter().map(|e| e.std_error).sum::<f64>() / n;
-        // The scatter of 80 is itself known to 8 %.
+        // The standard deviation of 80 values is itself known to 8 %.
         assert!((stated / scatter - 1.0).abs() < 0.3, "stated {stated}, scatter {scatter}");
     }
 

@@ -1,8 +1,8 @@
-//! Do the error bars hold? The same scene with fresh noise, fitted again and again.
+//! Are the error bars right? The same scene is fitted again and again, each time with new noise.
 //!
-//! The images are those of the model that is fitted, so the whole error is the noise's: 95 of 100 intervals of ± 1.96
-//! standard errors should hold the truth, and the root mean square error should be the Cramér-Rao bound, the standard error
-//! that a fit of the noiseless image states (see [`forecast`](crate::fit::forecast)).
+//! The images are made by the model that is fitted, so the noise is the only source of error. 95 of 100 intervals of ± 1.96
+//! standard errors should contain the truth, and the root mean square error should equal the Cramér-Rao bound, the standard
+//! error that a fit of the noiseless image reports (see [`forecast`](crate::fit::forecast)).
 
 use super::{Setting, Texture};
 use crate::error::Result;
@@ -16,9 +16,9 @@ use crate::scene::{Gain, Noise, ObservedScene, Veil};
 use crate::spread::Model;
 use rayon::prelude::*;
 
-/// The noise of the images, and what the fit is told of it.
+/// The noise of the images, and what the fit knows of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Told {
+pub enum KnownNoise {
     /// One standard deviation for all pixels, which is given.
     Level,
     /// The same, to be estimated.
@@ -27,7 +27,7 @@ pub enum Told {
     Variance,
 }
 
-/// How far the standard deviation of uneven noise goes from its mean.
+/// Largest ratio of the standard deviation of uneven noise to its mean.
 const UNEVEN: f32 = 3.0;
 
 /// A measurement that is repeated.
@@ -41,8 +41,8 @@ pub struct Case {
     pub planes: Vec<Setting>,
     /// Standard deviation of a pixel, of uneven noise the geometric mean.
     pub noise: f64,
-    /// What the fit is told of it.
-    pub told: Told,
+    /// What the fit knows of it.
+    pub known: KnownNoise,
     /// Whether gain and veil of the last plane are fitted.
     pub exposure_free: bool,
 }
@@ -56,9 +56,9 @@ pub struct Coverage {
     pub bound: f64,
     /// Fits.
     pub draws: usize,
-    /// Those whose interval holds the truth.
+    /// Those whose interval contains the truth.
     pub inside: usize,
-    /// Those that call the parameter undetermined.
+    /// Those that report the parameter as undetermined.
     pub undetermined: usize,
     /// Mean error in units of the bound.
     pub bias: f64,
@@ -67,14 +67,14 @@ pub struct Coverage {
 }
 
 impl Coverage {
-    /// Share of the intervals that hold the truth.
+    /// Share of the intervals that contain the truth.
     pub fn share(&self) -> f64 {
         self.inside as f64 / self.draws as f64
     }
 }
 
-/// The cases that are looked at: thin and thick, narrow and wide, clean and noisy, sharp and soft, noise known and not, even
-/// and not, exposure known and not.
+/// The cases: thin and thick, narrow and wide, clean and noisy, sharp and soft, with known and unknown, uniform and uneven
+/// noise, with known and unknown exposure.
 ///
 /// # Errors
 /// None but those of constants out of range.
@@ -96,13 +96,13 @@ pub fn cases() -> Result<Vec<Case>> {
         model: Model::SmallAngle,
         planes: planes.to_vec(),
         noise,
-        told: Told::Level,
+        known: KnownNoise::Level,
         exposure_free: false,
     };
     Ok(vec![
         case("tau 1.4, 7°, checker", &[base], 0.01),
-        Case { told: Told::Nothing, ..case("the same, noise estimated", &[base], 0.01) },
-        case("tau .3, thin", &[medium(0.15, 0.05, 7.0)?], 0.005),
+        Case { known: KnownNoise::Nothing, ..case("the same, noise estimated", &[base], 0.01) },
+        case("tau 0.3, thin", &[medium(0.15, 0.05, 7.0)?], 0.005),
         case("tau 5, thick", &[medium(2.5, 0.1, 5.0)?], 0.001),
         case("noise of 5 %", &[base], 0.02),
         case("disks", &[Setting { texture: Texture::Natural, ..base }], 0.01),
@@ -112,7 +112,7 @@ pub fn cases() -> Result<Vec<Case>> {
             ..case("30°, wide-angle", &[Setting { pixel_pitch: 0.1, ..medium(0.8, 0.1, 30.0)? }], 0.005)
         },
         Case { model: Model::Gaussian, ..case("tau 3, gaussian", &[medium(1.5, 0.1, 6.0)?], 0.003) },
-        Case { told: Told::Variance, ..case("noise uneven, variances given", &[base], 0.01) },
+        Case { known: KnownNoise::Variance, ..case("noise uneven, variances given", &[base], 0.01) },
     ])
 }
 
@@ -138,7 +138,11 @@ impl Case {
             let scenes = self.noisy(clean.clone(), seed.wrapping_mul(1 << 32).wrapping_add(first));
             let fit = fit(&scenes, &Settings { model: self.model, ..Settings::default() })?;
             progress();
-            Ok(fit.parameters.of_medium().map(|(id, p)| Drawn::new(&fit, id, truth.truth(p.descriptor().quantity))).collect())
+            Ok(fit
+                .parameters
+                .of_medium()
+                .map(|(id, p)| Drawn::new(&fit, id, truth.truth(p.descriptor().quantity)))
+                .collect())
         };
         let all = (0..draws).into_par_iter().map(one).collect::<Result<Vec<_>>>()?;
         let parameters = ideal.parameters.of_medium().enumerate();
@@ -170,9 +174,9 @@ impl Case {
 
     /// `image` with noise.
     fn draw(&self, image: &Image, seed: u64) -> Image {
-        match self.told {
-            Told::Level | Told::Nothing => with_noise(image, self.noise, seed),
-            Told::Variance => with_variance(image, &self.variance(image), seed),
+        match self.known {
+            KnownNoise::Level | KnownNoise::Nothing => with_noise(image, self.noise, seed),
+            KnownNoise::Variance => with_variance(image, &self.variance(image), seed),
         }
     }
 
@@ -189,10 +193,10 @@ impl Case {
         let variance = vec![Channel { name: "Y".into(), image: self.variance(&image) }];
         let mut scene = plane.scene(image, None)?;
         let observation = &mut scene.observation;
-        observation.noise = match self.told {
-            Told::Level => Some(Noise::Level(self.noise)),
-            Told::Nothing => None,
-            Told::Variance => Some(Noise::Variance(variance)),
+        observation.noise = match self.known {
+            KnownNoise::Level => Some(Noise::Level(self.noise)),
+            KnownNoise::Nothing => None,
+            KnownNoise::Variance => Some(Noise::Variance(variance)),
         };
         if self.exposure_free && Some(plane) == self.planes.last() {
             (observation.gain, observation.veil) = (Gain::Free, Veil::Free);
@@ -206,11 +210,11 @@ fn fit(scenes: &[ObservedScene], settings: &Settings) -> Result<ChannelFit> {
     Ok(fit_scenes(scenes, settings, Filter::Auto, &|| ())?.channels.remove(0).1)
 }
 
-/// What one draw says of one parameter, in its coordinate.
+/// The estimate of one parameter from one draw, in its coordinate.
 #[derive(Debug, Clone, Copy)]
 struct Drawn {
     error: f64,
-    /// `None` if the parameter was called undetermined.
+    /// `None` if the parameter was reported as undetermined.
     std_error: Option<f64>,
 }
 

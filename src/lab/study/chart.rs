@@ -1,8 +1,8 @@
 //! What accuracy costs: time against error, of renders and of fits, on scenes seen through a known medium.
 //!
-//! The truth of a render is the observation of a [`Dataset`], made by a program that knows nothing of the models; its noise is
-//! known and taken off in squares ([`rms_error`](crate::lab::compare::rms_error)). The truth of a fit is the medium. Either leaves a
-//! *floor*: what the noise lets a perfect render, or a perfect fit, still show as an error.
+//! The truth of a render is the observation of a [`Dataset`], made by a program that does not use the models. Its noise
+//! is known and subtracted in squares ([`rms_error`](crate::lab::compare::rms_error)). The truth of a fit is the medium. Both have
+//! a *floor*: the error that a perfect render, or a perfect fit, would still show because of the noise.
 //!
 //! Times are medians of several runs.
 
@@ -31,7 +31,7 @@ pub struct Charted {
     pub renders: Vec<RenderTrial>,
     /// Fits by every model and backend.
     pub fits: Vec<FitTrial>,
-    /// The way of the peer, if it is known.
+    /// The trajectory of the peer, if it is known.
     pub peer: Vec<Step>,
 }
 
@@ -59,8 +59,8 @@ impl Charted {
         dataset.ways(backends, effort).len() + fits::count(backends)
     }
 
-    /// The standard error of the parameter that the automatic choice of a model knows least, relative; `None` if it leaves
-    /// one undetermined.
+    /// The largest relative standard error of a parameter with the automatic choice of a model; `None` if it leaves one
+    /// undetermined.
     pub fn fit_floor(&self) -> Option<f64> {
         let automatic = self.fits.iter().find(|trial| trial.method.model.is_none())?;
         automatic.outcome.as_ref().ok().map(|fitted| fitted.std_error)

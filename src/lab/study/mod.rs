@@ -1,8 +1,9 @@
-//! Studies of the estimation itself, on planes behind media that are known: whether its error bars hold, where each model
-//! fails and whether it says so, and what accuracy costs.
+//! Studies of the estimation itself, on planes behind known media: whether its error bars are right, where each model
+//! fails and whether it reports that, and what accuracy costs.
 
 pub mod calibration;
 pub mod chart;
+pub mod grid;
 pub mod setting;
 pub mod stability;
 pub mod sweeps;

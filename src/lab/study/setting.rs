@@ -7,7 +7,10 @@ use crate::geometry::Geometry;
 use crate::image::{Border, Channel, Image, View};
 use crate::medium::Medium;
 use crate::phase::PhaseFunction;
-use crate::scene::{FitOptions, Gain, HIDDEN_SHARE_MAX, Noise, Observation, ObservedScene, PartialMedium, Registration, Scene, Veil};
+use crate::scene::{
+    FitOptions, Gain, HIDDEN_SHARE_MAX, Noise, Observation, ObservedScene, PartialMedium, Registration,
+    Scene, Veil,
+};
 use crate::spread::Model;
 use crate::trace::{ImageConfig, TracedImage, trace_image};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -21,9 +24,9 @@ pub enum Texture {
     Edge,
     /// A checkerboard of 5 by 7 px under a wave of light.
     Checker,
-    /// Opaque disks of all sizes, fallen on each other: the statistics of natural images.
+    /// A dead-leaves texture: opaque disks of all sizes that cover one another, with the statistics of natural images.
     Natural,
-    /// One grey but for 2 %.
+    /// Uniform grey to within 2 %.
     NearlyFlat,
 }
 
@@ -123,7 +126,7 @@ impl Setting {
         Backend::Cpu.prepare(target, &optics, 1.0)?.render(&optics)
     }
 
-    /// What `samples` paths a pixel see with the phase function `phase`, which need not be the medium's.
+    /// The image traced with `samples` paths per pixel and the phase function `phase`, which need not be the medium's.
     ///
     /// # Errors
     /// As [`trace_image`].
@@ -141,8 +144,8 @@ impl Setting {
         trace_image(&config, &|_| ())
     }
 
-    /// The scene to fit to `observed`, whose pixels have the standard deviation `noise` if that is known; of the medium only
-    /// the family of its phase function is in it.
+    /// The scene to fit to `observed`, whose pixels have the standard deviation `noise` if that is known; of the medium it
+    /// holds only the family of its phase function.
     ///
     /// # Errors
     /// As [`Geometry::planar`].
@@ -168,7 +171,7 @@ impl Setting {
             veil: Veil::Fixed(0.0),
             gain_error: 0.0,
             hidden_share_max: HIDDEN_SHARE_MAX,
-                    registration: Registration::None,
+            registration: Registration::None,
         };
         Ok(ObservedScene { scene, observation })
     }

@@ -1,8 +1,8 @@
-//! Where each method fails, and whether it says so.
+//! Where each method fails, and whether it reports that.
 //!
-//! Images are traced: paths in three dimensions, which share nothing with the models but the medium. A *silent failure* is an
-//! estimate that is farther from the truth than four standard errors and the stated model error together, which add up as in
-//! `ci95`, without a warning, and neither called undetermined nor refused.
+//! Images are traced: paths in three dimensions, which have nothing in common with the models but the medium. A *silent failure*
+//! is an estimate without a warning that is farther from the truth than four standard errors and the stated model error
+//! together (added as in `ci95`), and neither undetermined nor refused.
 
 use super::setting::Setting;
 use crate::error::Result;
@@ -13,12 +13,12 @@ use crate::scene::ObservedScene;
 use crate::spread::Model;
 use std::time::Instant;
 
-/// Standard errors beyond which an error is no accident.
+/// Standard errors beyond which an error cannot be due to chance.
 const FAILURE: f64 = 4.0;
 /// Standard errors within which an estimate is right.
 const RIGHT: f64 = 3.0;
-/// Warnings that say that a scene is outside what the model is valid for: its angles, its table, or the view, where that shows
-/// too little of the kernel.
+/// Warnings that a scene is outside the range of the model: its angles, its table, or a view that shows too little of the
+/// kernel.
 const OUTSIDE: [WarningCode; 4] = [
     WarningCode::OutsideValidity,
     WarningCode::ModelError,
@@ -74,7 +74,7 @@ impl Method {
         }
     }
 
-    /// Fits `scene` and holds the outcome against the `truth`; `compared` are the parameters that have one.
+    /// Fits `scene` and compares the outcome with the truth, for the parameters `compared`.
     pub fn try_on(self, scene: &ObservedScene, setting: &Setting, compared: &[Quantity]) -> Outcome {
         let clock = Instant::now();
         let mut outcome = Outcome::new(self.fit(scene, Backend::Cpu), setting, compared);
@@ -90,16 +90,16 @@ pub struct Found {
     pub quantity: Quantity,
     /// Estimate minus truth.
     pub error: f64,
-    /// Standard error by the noise and by what is known of the input.
+    /// Standard error due to the noise and to errors of the input.
     pub std_error: f64,
     /// Stated error of the model.
     pub model_error: f64,
-    /// Whether the 95 % interval holds the truth.
+    /// Whether the 95 % interval contains the truth.
     pub held: bool,
 }
 
 impl Found {
-    /// The error that what is stated allows.
+    /// The largest error that agrees with the stated ones.
     fn allowed(&self) -> f64 {
         FAILURE * self.std_error + self.model_error
     }
@@ -112,9 +112,9 @@ pub struct Outcome {
     pub model: String,
     /// Each parameter that was determined and has a truth.
     pub found: Vec<Found>,
-    /// Whether some parameter was called undetermined.
+    /// Whether some parameter was reported as undetermined.
     pub undetermined: bool,
-    /// Codes of warnings, but for `undetermined`.
+    /// Codes of warnings, except `undetermined`.
     pub warnings: Vec<WarningCode>,
     /// Why there is no fit.
     pub refused: Option<String>,
@@ -158,7 +158,7 @@ impl Outcome {
         }
     }
 
-    /// What was found of `quantity`.
+    /// The result for `quantity`.
     pub fn of(&self, quantity: Quantity) -> Option<&Found> {
         self.found.iter().find(|found| found.quantity == quantity)
     }
@@ -174,59 +174,59 @@ impl Outcome {
         Some(worst.allowed())
     }
 
-    /// Whether something is wrong without a word.
+    /// Whether an estimate is wrong without a warning.
     pub fn is_silent_failure(&self) -> bool {
         self.warnings.is_empty() && self.found.iter().any(|f| f.error.abs() > f.allowed())
     }
 
-    /// Whether all is determined and right to within the noise: then nothing should be warned of.
+    /// Whether everything is determined and right to within the noise, so that no warning is needed.
     pub fn is_right(&self) -> bool {
         self.refused.is_none()
             && !self.undetermined
             && self.found.iter().all(|f| f.error.abs() <= RIGHT * f.std_error)
     }
 
-    /// Whether all is right but a warning was given all the same, other than that the model is outside its range.
-    pub fn cries_wolf(&self) -> bool {
+    /// Whether everything is right but there is a warning, other than that the model is outside its range.
+    pub fn is_false_alarm(&self) -> bool {
         self.is_right() && !self.warnings.is_empty() && !self.warnings.iter().any(|w| OUTSIDE.contains(w))
     }
 
-    /// One word for maps and tables.
-    pub fn verdict(&self) -> Verdict {
+    /// The kind of outcome, for maps and tables.
+    pub fn kind(&self) -> OutcomeKind {
         match self {
-            _ if self.refused.is_some() => Verdict::Refused,
-            _ if self.is_silent_failure() => Verdict::Silent,
-            _ if self.cries_wolf() => Verdict::Wolf,
-            _ if !self.warnings.is_empty() => Verdict::Warned,
-            _ if self.undetermined => Verdict::Undetermined,
-            _ => Verdict::Right,
+            _ if self.refused.is_some() => OutcomeKind::Refused,
+            _ if self.is_silent_failure() => OutcomeKind::Silent,
+            _ if self.is_false_alarm() => OutcomeKind::FalseAlarm,
+            _ if !self.warnings.is_empty() => OutcomeKind::Warned,
+            _ if self.undetermined => OutcomeKind::Undetermined,
+            _ => OutcomeKind::Right,
         }
     }
 }
 
-/// How a fit ended, in one word.
+/// The kinds of outcomes of a fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Verdict {
-    /// Within what was stated.
+pub enum OutcomeKind {
+    /// Within the stated errors.
     Right,
-    /// Within three standard errors, but warned of.
-    Wolf,
-    /// Not determined, and said to be.
+    /// Within three standard errors, but with a warning.
+    FalseAlarm,
+    /// Reported as undetermined.
     Undetermined,
-    /// Warned of.
+    /// With a warning.
     Warned,
     /// Not fitted, with a reason.
     Refused,
-    /// Wrong, without a word.
+    /// Wrong, without a warning.
     Silent,
 }
 
-impl Verdict {
+impl OutcomeKind {
     /// Name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Right => "right",
-            Self::Wolf => "right, but warned of",
+            Self::FalseAlarm => "right, but warned of",
             Self::Undetermined => "undetermined",
             Self::Warned => "warned of",
             Self::Refused => "refused",

@@ -1,129 +1,28 @@
-//! The images of the stability study: a grid of media, and one thing after the other gone wrong.
+//! The sweeps of the stability study: images in which one property after another goes wrong.
 
 mod wrong;
 
+use super::grid::{Extent, METHODS, Tick, Z, fits, plane};
 use super::setting::{Setting, Texture};
 use super::stability::Method;
 use super::trial::{Place, Trial};
 use crate::error::Result;
-use crate::fit::Method as Solver;
 use crate::fit::noise::with_noise;
 use crate::forward::Quantity;
 use crate::image::Image;
-use crate::medium::Medium;
-use crate::phase::{PhaseFunction, b_of_spread_angle};
+use crate::phase::PhaseFunction;
 use crate::scene::ObservedScene;
 use crate::spread::Model;
-use crate::trace::log_spaced;
-use rayon::prelude::*;
 
-/// How much is looked at.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Extent {
-    /// Side of the images, px.
-    pub side: usize,
-    /// Paths a pixel of a traced image.
-    pub samples: u32,
-    /// Scattering depths of the grid.
-    pub tau: Vec<f64>,
-    /// Spread angles of the grid, degrees.
-    pub spread_angle_deg: Vec<f64>,
-}
-
-impl Extent {
-    /// What `narrowbeam stability` looks at.
-    pub fn full() -> Self {
-        Self {
-            side: 48,
-            samples: 2048,
-            tau: log_spaced(0.1, 12.0, 8),
-            spread_angle_deg: log_spaced(2.0, 60.0, 7),
-        }
-    }
-
-    /// The same in two minutes on two cores.
-    pub fn quick() -> Self {
-        Self {
-            side: 32,
-            samples: 256,
-            tau: log_spaced(0.2, 8.0, 3),
-            spread_angle_deg: log_spaced(4.0, 40.0, 3),
-        }
-    }
-}
-
-/// The models of the grid, and the solvers where it matters.
-pub const METHODS: [Method; 10] = [
-    Method::of(Model::BeerLambert),
-    Method::of(Model::SingleScatter),
-    Method::of(Model::Gaussian),
-    Method::of(Model::NarrowBeamPrinted),
-    Method::of(Model::NarrowBeam),
-    Method::of(Model::SmallAngle),
-    Method::of(Model::WideAngle),
-    Method { model: Some(Model::SmallAngle), solver: Solver::NelderMead },
-    Method { model: Some(Model::WideAngle), solver: Solver::NelderMead },
-    Method::AUTO,
-];
-
-/// What is fitted along the sweeps.
+/// The methods along the sweeps.
 const SWEPT: [Method; 3] = [Method::of(Model::SmallAngle), Method::of(Model::WideAngle), Method::AUTO];
 /// The same without the choice of a model, by either solver, for starts.
 const SOLVED: [Method; 4] = [METHODS[5], METHODS[6], METHODS[7], METHODS[8]];
 
-const Z: f64 = 2.0;
 /// Standard deviation of the noise along the sweeps, in mean radiances.
 const NOISE: f64 = 0.005;
-/// Paths a pixel along the sweeps, in those of the grid: their noise is to be less than what is added.
+/// Paths per pixel along the sweeps, as a multiple of those of the grid: their noise must be less than the added noise.
 const CLEANER: u32 = 8;
-
-/// A plane at scattering depth `tau` in a medium of this spread angle; a pixel is a fifth of the width z sqrt(B).
-///
-/// # Errors
-/// As [`Medium::gaussian`].
-pub fn plane(tau: f64, spread_angle_deg: f64, side: usize) -> Result<Setting> {
-    let b = b_of_spread_angle(spread_angle_deg.to_radians());
-    let medium = Medium::gaussian(tau / Z, 0.3 / Z, b)?;
-    Ok(Setting { texture: Texture::Checker, side, pixel_pitch: 0.2 * Z * b.sqrt(), z: Z, medium })
-}
-
-/// What traces and fits are reported to: how many of them are done.
-pub type Tick<'a> = &'a (dyn Fn(u64) + Sync);
-
-/// Fits over the grid of scattering depths and spread angles, by all `METHODS`.
-///
-/// # Errors
-/// As [`Setting::trace`].
-pub fn grid(extent: &Extent, seed: u64, tick: Tick) -> Result<Vec<Trial>> {
-    let mut trials = Vec::new();
-    for (i, &tau) in extent.tau.iter().enumerate() {
-        for (j, &degrees) in extent.spread_angle_deg.iter().enumerate() {
-            let setting = plane(tau, degrees, extent.side)?;
-            let seed = seed + (i * extent.spread_angle_deg.len() + j) as u64;
-            let image = setting.trace(*setting.medium.phase(), extent.samples, seed)?.mean;
-            let scene = setting.scene(image, None)?;
-            trials.extend(fits(&Place::at("grid", tau), &setting, &scene, &METHODS, &Quantity::MEDIUM));
-            tick(1);
-        }
-    }
-    Ok(trials)
-}
-
-fn fits(
-    place: &Place,
-    setting: &Setting,
-    scene: &ObservedScene,
-    methods: &[Method],
-    compared: &[Quantity],
-) -> Vec<Trial> {
-    let one = |&method: &Method| Trial {
-        place: place.clone(),
-        setting: *setting,
-        method,
-        outcome: method.try_on(scene, setting, compared),
-    };
-    methods.par_iter().map(one).collect()
-}
 
 /// Number of traces that [`sweeps`] makes.
 pub const SWEEP_TRACES: u64 = 2 * (1 + 4 + 7 + 4);
@@ -170,6 +69,11 @@ impl Sweeps<'_> {
         Ok(image)
     }
 
+    /// Fits of `scene`, seen in the base setting, at `level` of `sweep`.
+    fn fits(&self, sweep: &'static str, level: f64, scene: &ObservedScene) -> Vec<Trial> {
+        fits(&Place::at(sweep, level), &self.base, scene, &SWEPT, &Quantity::MEDIUM)
+    }
+
     /// The scene of `clean` with the usual noise.
     fn noisy(&self, setting: &Setting, clean: &Image) -> Result<ObservedScene> {
         setting.scene(with_noise(clean, NOISE * clean.mean(), self.seed), None)
@@ -179,7 +83,7 @@ impl Sweeps<'_> {
         let mut trials = Vec::new();
         for level in [0.0, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2] {
             let scene = self.base.scene(with_noise(clean, level * clean.mean(), self.seed), None)?;
-            trials.extend(fits(&Place::at("noise", level), &self.base, &scene, &SWEPT, &Quantity::MEDIUM));
+            trials.extend(self.fits("noise", level, &scene));
         }
         Ok(trials)
     }

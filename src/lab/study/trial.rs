@@ -1,4 +1,4 @@
-//! Fits along sweeps, and how many of them fail silently or are warned of without need.
+//! Fits along sweeps, and how many of them fail silently or carry a needless warning.
 
 use super::Setting;
 use super::stability::{Method, Outcome};
@@ -10,12 +10,12 @@ pub struct Place {
     pub sweep: &'static str,
     /// Where on it.
     pub level: f64,
-    /// That in words, where a number does not say it.
+    /// The same in words, where a number is not enough.
     pub label: String,
 }
 
 impl Place {
-    /// A place that a number tells.
+    /// A place given by a number.
     pub fn at(sweep: &'static str, level: f64) -> Self {
         Self { sweep, level, label: String::new() }
     }
@@ -24,7 +24,7 @@ impl Place {
 /// One fit.
 #[derive(Debug, Clone)]
 pub struct Trial {
-    /// Where it stands.
+    /// Its place on a sweep.
     pub place: Place,
     /// The plane and its medium.
     pub setting: Setting,
@@ -34,44 +34,44 @@ pub struct Trial {
     pub outcome: Outcome,
 }
 
-/// Sweeps along which the world is not what the scene says: a warning is never out of place there.
+/// Sweeps along which the scene file is wrong about the scene: a warning is never needless there.
 const FAULTY: [&str; 5] =
     ["depth error", "gain error", "Henyey-Greenstein g", "varying sigma_s", "saturated share"];
 
 impl Trial {
-    /// Whether the world is what the scene says.
+    /// Whether the scene file is right about the scene.
     pub fn is_sound(&self) -> bool {
         !FAULTY.contains(&self.place.sweep)
     }
 }
 
-/// What the rule of no silent failure asks of `trials`.
+/// How many of the trials failed silently, and how many raised a false alarm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Tally {
     /// All fits.
     pub fits: usize,
-    /// Those that were wrong without a word.
+    /// Those that were wrong without a warning.
     pub silent: usize,
-    /// Those in a sound world that are right, inside the model's validity.
+    /// Those with a sound scene file that are right, inside the model's range.
     pub right: usize,
     /// Those among them that carry a warning.
-    pub wolves: usize,
+    pub false_alarms: usize,
 }
 
 impl Tally {
     /// Counts `trials`.
     pub fn of(trials: &[Trial]) -> Self {
         let count = |f: &dyn Fn(&Trial) -> bool| trials.iter().filter(|t| f(t)).count();
-        let wolf = |t: &Trial| t.is_sound() && t.outcome.cries_wolf();
+        let false_alarm = |t: &Trial| t.is_sound() && t.outcome.is_false_alarm();
         Self {
             fits: trials.len(),
             silent: count(&|t| t.outcome.is_silent_failure()),
             right: count(&|t| {
                 t.is_sound()
                     && t.outcome.is_right()
-                    && (t.outcome.warnings.is_empty() || t.outcome.cries_wolf())
+                    && (t.outcome.warnings.is_empty() || t.outcome.is_false_alarm())
             }),
-            wolves: count(&wolf),
+            false_alarms: count(&false_alarm),
         }
     }
 }

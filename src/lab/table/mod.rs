@@ -1,5 +1,5 @@
-//! Makes the tables of the model `wide-angle`: light scattered once by quadrature, the rest traced, both laid out on
-//! the mixture's Gaussians.
+//! Makes the tables of the model `wide-angle`: light scattered once by quadrature, the rest traced, both expanded
+//! in the mixture's Gaussians.
 
 mod mixture;
 mod once;
@@ -7,8 +7,8 @@ mod once;
 use crate::error::Result;
 use crate::medium::Medium;
 use crate::phase::{Phase, PhaseFunction};
-use crate::spread::wide_angle::layout::{Layout, Place, bending};
-use crate::trace::{Likelihood, Scattered, log_spaced, trace_histories};
+use crate::spread::wide_angle::layout::{Layout, Place, total_scale};
+use crate::trace::{Likelihood, Scattered, log_spaced, trace_paths};
 use mixture::Laid;
 
 /// Edges of the radius bins, in units of z times the planar width of the phase function.
@@ -33,20 +33,20 @@ impl Radial {
         seed: u64,
     ) -> Result<()> {
         let width = medium.phase().planar_width();
-        let histories = trace_histories(medium, Scattered::Twice, paths, seed)?;
-        for history in &histories.paths {
-            let bin = edges.partition_point(|&e| e <= f64::from(history.radius) / width);
-            self.light[bin] += histories.weight;
-            self.slope[bin] += histories.weight * f64::from(history.slope);
+        let records = trace_paths(medium, Scattered::Twice, paths, seed)?;
+        for path in &records.paths {
+            let bin = edges.partition_point(|&e| e <= f64::from(path.radius) / width);
+            self.light[bin] += records.weight;
+            self.slope[bin] += records.weight * f64::from(path.slope);
         }
         Ok(())
     }
 }
 
-/// Least and most paths of a node, as a multiple of those asked for.
+/// Smallest and largest number of paths of a node, as a multiple of those requested.
 const EFFORT: (f64, f64) = (0.02, 8.0);
 
-/// Paths that a node needs, as a multiple of those asked for, for an even noise as a share of the scattered light. Only light
+/// Paths that a node needs, as a multiple of those requested, for the same noise relative to the scattered light. Only light
 /// scattered more than once is traced; and where small-angle theory is off by some tau D² a /4 in the logarithm of the
 /// light, most paths are absorbed on their excess length.
 fn effort(place: &Place) -> f64 {
@@ -70,12 +70,12 @@ pub fn node(layout: &Layout, place: &Place, paths: u64, seed: u64) -> Result<Vec
     }
     let phi = medium.scattered_total(1.0);
     let (total, rise) = (radial.light.iter().sum::<f64>(), radial.slope.iter().sum::<f64>());
-    let light = Laid::light(layout.rungs, &edges).shares(&radial.light);
-    let slope = Laid::slope(layout.rungs, &edges).shares(&radial.slope);
+    let light = Laid::light(layout.gaussians, &edges).shares(&radial.light);
+    let slope = Laid::slope(layout.gaussians, &edges).shares(&radial.slope);
     // The gradient of a Gaussian of width s, r/s² G, has the integral sqrt(pi/2)/s.
     let per_light = rise / (total * (0.5 * std::f64::consts::PI).sqrt());
     let logarithms =
-        [(total / phi).ln() / bending(place.angle), (per_light / medium.phase().planar_width()).ln()];
+        [(total / phi).ln() / total_scale(place.angle), (per_light / medium.phase().planar_width()).ln()];
     let roots = light.iter().chain(&slope).map(|share| share.sqrt());
     Ok(logarithms.into_iter().chain(roots).map(|v| v as f32).collect())
 }

@@ -31,17 +31,17 @@ pub(super) fn radial(medium: &Medium, edges: &[f64]) -> Radial {
 }
 
 /// Angles between which the integrand is smooth on the scale of the first of them or of the phase function's width, around the kink at
-/// `bend`. Twenty widths of a Gaussian hold all but exp(-100); Henyey-Greenstein's falls like a power.
-fn pieces(phase: &Phase, bend: f64) -> Vec<f64> {
+/// `kink`. Twenty widths of a Gaussian hold all but exp(-100); Henyey-Greenstein's falls like a power.
+fn pieces(phase: &Phase, kink: f64) -> Vec<f64> {
     let width = phase.planar_width();
     match phase.family() {
         Family::Gaussian => {
             let end = FRAC_PI_2.min(20.0 * width);
-            vec![0.0, bend.min(end), end]
+            vec![0.0, kink.min(end), end]
         }
         Family::HenyeyGreenstein => {
             let doubled = (0..).map(|i| width * f64::from(1 << i)).take_while(|&theta| theta < FRAC_PI_2);
-            let mut all: Vec<f64> = [0.0, bend, FRAC_PI_2].into_iter().chain(doubled).collect();
+            let mut all: Vec<f64> = [0.0, kink, FRAC_PI_2].into_iter().chain(doubled).collect();
             all.sort_by(f64::total_cmp);
             all
         }

@@ -1,4 +1,4 @@
-//! Where the tables behind `wide-angle` have their nodes, and the ladders of their mixtures.
+//! Where the tables behind `wide-angle` have their nodes, and the widths of the Gaussians in their mixtures.
 //!
 //! Both families share the axes of tau and sigma_a z. The third is the spread angle D = sqrt(4B) of the Gaussian, in which the
 //! kernel is even, and ln(1 - g) of Henyey-Greenstein's phase function, whose kernel has wide angles at any g.
@@ -8,10 +8,10 @@ use crate::error::{Result, in_range};
 use crate::phase::{Family, b_of_spread_angle};
 use crate::spread::{Dual, Range};
 
-/// Width of the narrowest Gaussian in units of the planar width of the phase function times z: a thousandth of the light scattered once falls
-/// within it.
+/// Width of the narrowest Gaussian in units of the planar width of the phase function times z. A thousandth of the light
+/// scattered once falls within it.
 const NARROWEST: f64 = 1e-3;
-/// Ratio of neighbouring widths: the ripple of such a ladder is 3e-5 of a smooth mixture (see `filter::ladder`).
+/// Ratio of neighbouring widths: Gaussians so spaced reproduce a smooth mixture to a ripple of 3e-5.
 const RATIO: f64 = 1.6;
 
 /// The layout of the table of one family of phase functions.
@@ -19,12 +19,12 @@ const RATIO: f64 = 1.6;
 pub struct Layout {
     /// The family.
     pub family: Family,
-    /// Gaussians of the mixture.
-    pub rungs: usize,
+    /// Number of Gaussians in the mixture.
+    pub gaussians: usize,
     /// Nodes of tau, sigma_a z and the width of the phase function.
     pub counts: [usize; 3],
-    /// Ends of the third axis, in its coordinate: the narrowest phase function, within which the shape of the kernel no longer changes in
-    /// units of its width, and the widest.
+    /// Ends of the third axis, in its coordinate: the narrowest phase function, below which the kernel in units of its
+    /// width no longer changes, and the widest.
     ends: (f64, f64),
 }
 
@@ -44,34 +44,35 @@ pub struct Place {
 /// Spread angles of 0.5 to 60 degrees.
 static GAUSSIAN: Layout = Layout {
     family: Family::Gaussian,
-    rungs: 28,
+    gaussians: 28,
     counts: [10, 8, 14],
     ends: (0.5_f64.to_radians(), 60.0_f64.to_radians()),
 };
 
-/// g of .998 to .5, from ln .002 to ln .5. A phase function narrower than that turns less than .6 % of the light by more than 20 degrees,
-/// where its kernel has another shape. Four more Gaussians reach as far in units of z.
+/// g of 0.998 to 0.5, from ln 0.002 to ln 0.5. A narrower phase function turns less than 0.6 % of the light by more than 20
+/// degrees, where its kernel has another form. Four more Gaussians reach as far in units of z.
 static HENYEY_GREENSTEIN: Layout = Layout {
     family: Family::HenyeyGreenstein,
-    rungs: 32,
+    gaussians: 32,
     counts: [10, 8, 16],
     ends: (-6.214_608_098_422_191, -std::f64::consts::LN_2),
 };
 
-/// What ln(W/phi), which falls like the mean-square scattering angle from 0, is divided by before it is tabulated at the `angle` of a
-/// [`Place`]: lest noise of thick, wide-angle, absorbing media spread to narrow ones. The constant keeps noise of narrow ones
-/// there, and the quotient's poles, at angles of ± i sqrt(.3), away from those served: nearer ones would ask for more nodes.
-pub fn bending(angle: f64) -> f64 {
+/// What ln(W/phi) is divided by before it is tabulated at the `angle` of a [`Place`]. Near 0 ln(W/phi) grows like the
+/// mean-square scattering angle, so the division keeps noise of thick, wide-angle, absorbing media from spreading to narrow
+/// ones. The constant keeps noise of narrow ones small. It also keeps the quotient's poles, at angles of ± i sqrt(0.3), away
+/// from the tabulated angles: nearer poles would require more nodes.
+pub fn total_scale(angle: f64) -> f64 {
     angle * angle + 0.3
 }
 
-/// Width of rung `j` in units of the planar width of the phase function times z.
-pub fn rung(j: usize) -> f64 {
+/// Width of Gaussian `j` in units of the planar width of the phase function times z.
+pub fn relative_width(j: usize) -> f64 {
     NARROWEST * RATIO.powi(j as i32)
 }
 
 impl Layout {
-    /// tau at the ends of a table; below, where all light is scattered once, the shape no longer changes.
+    /// tau at the ends of a table; below, where all light is scattered once, the relative distribution no longer changes.
     pub const TAU: (f64, f64) = (1e-6, 12.0);
     /// sigma_a z at the ends of a table.
     pub const ABSORPTION: (f64, f64) = (0.0, 10.0);
@@ -84,9 +85,9 @@ impl Layout {
         }
     }
 
-    /// Numbers of a node: two logarithms, and the roots of the shares of light and slope.
+    /// Count of numbers at a node: two logarithms, and the roots of the shares of light and slope.
     pub fn numbers(&self) -> usize {
-        2 + 2 * self.rungs
+        2 + 2 * self.gaussians
     }
 
     /// The axes in the coordinates of the interpolation.
@@ -131,17 +132,17 @@ impl Layout {
         if coordinate > self.ends.0 { (coordinate, slope) } else { (self.ends.0, 0.0) }
     }
 
-    /// [`bending`] at a phase-function parameter.
-    pub(super) fn bending(&self, parameter: f64) -> Dual {
+    /// [`total_scale`] at a phase-function parameter.
+    pub(super) fn total_scale(&self, parameter: f64) -> Dual {
         let slope = match self.family {
             Family::Gaussian => 4.0,
             Family::HenyeyGreenstein => -2.0,
         };
         let angle = self.family.mean_square_angle(parameter).sqrt();
-        Dual { value: bending(angle), gradient: [0.0, 0.0, slope] }
+        Dual { value: total_scale(angle), gradient: [0.0, 0.0, slope] }
     }
 
-    /// Refuses what is not served.
+    /// Refuses media outside the table.
     pub(super) fn check(&self, tau: f64, absorption: f64, parameter: f64) -> Result<()> {
         for (name, value, end, allowed) in [
             (
@@ -180,7 +181,7 @@ impl Layout {
         Ok(())
     }
 
-    /// The media that the table has kernels for.
+    /// The media for which the table has kernels.
     pub fn range(&self) -> Range {
         let phase = match self.family {
             Family::Gaussian => [0.0, b_of_spread_angle(self.ends.1)],

@@ -1,33 +1,35 @@
-//! `wide-angle`: right at every angle, from a table made by tracing.
+//! `wide-angle`: valid at every angle, from a table made by tracing.
 //!
 //! In units of the path length z a medium is three numbers: tau = sigma_s z, a = sigma_a z and the parameter of the phase
 //! function, B or g; D is the root of its [mean-square scattering angle](crate::phase::Family::mean_square_angle). The table of a
-//! family holds, at nodes of them, the kernel as a mixture of positive Gaussians of widths s_j = x_j z w, w the planar width of the phase function, which
-//! the small-angle kernel is exactly and the true one within the errors that `tests/it/wide_angle.rs` prints:
+//! family holds the kernel at nodes of them, as a mixture of positive Gaussians of widths s_j = x_j z w, where w is the planar
+//! width of the phase function. The small-angle kernel is exactly such a mixture; the true kernel is one within the errors
+//! that `tests/it/wide_angle.rs` prints:
 //!
 //! ```text
 //! M(k) - T = W sum_j p_j exp(-s_j² k²/2),      sum p_j = 1,
 //! N(k)     = -k² V sum_j q_j s_j exp(-s_j² k²/2)      (mean slope, see SpreadKernel::mean_slope)
 //! ```
 //!
-//! - *Total.* W / phi, phi = exp(-a)(1 - exp(-tau)), is what wide angles leave of the light that small-angle theory
-//!   lets through: absorbed on the excess path, or lost through the front surface. Its logarithm is tabulated, over
-//!   D² plus a constant, and so the total is as exact, relatively, at a = 10 as at 0.
-//! - *Shape.* Tabulated are the roots of p_j: their interpolants, squared and normalised, are positive and add up to 1.
-//!   Absorption is a third axis rather than a moment of each radius' path lengths, since where it is strong few paths
-//!   of the many at a = 0 arrive, and they are not the typical ones.
-//! - *Slope.* A path's radial slope times its light is laid out on gradients of the same Gaussians, r/s_j² G_j.
+//! - *Total.* W / phi, phi = exp(-a)(1 - exp(-tau)), is the share of the light of small-angle theory that arrives: the
+//!   rest is absorbed on the excess path, or lost through the front surface. Its logarithm is tabulated, divided by
+//!   D² plus a constant, so the relative error of the total is as small at a = 10 as at 0.
+//! - *Profile.* The roots of p_j are tabulated: their interpolants, squared and normalised, are positive and add up to 1.
+//!   Absorption is a third axis rather than a moment of the path lengths at each radius: where it is strong, few of
+//!   the paths at a = 0 arrive, and they are not the typical ones.
+//! - *Slope.* A path's radial slope times its light is expanded in gradients of the same Gaussians, r/s_j² G_j.
 //! - *Light scattered once* comes from quadrature; only the rest is traced, by paths that all scatter twice. So there is no
 //!   noise in the 1/r singularity, and none in the total where small-angle theory holds.
 //! - *Between nodes*: a polynomial on Chebyshev points in sqrt(tau), ln(1 + 2a), and D or ln(1 - g) ([`layout`]). It is
-//!   entire in tau but for the zeros of phi; in a it has its next singularity at the slowest decay of light kept in
-//!   the layer, some -.4. So the error falls geometrically with the number of nodes, and all derivatives are
+//!   entire in tau except for the zeros of phi; in a it has its next singularity at the slowest decay of light kept in
+//!   the layer, some -0.4. So the error falls geometrically with the number of nodes, and all derivatives are
 //!   continuous.
 //!
-//! The range is tau 0 to 12, sigma_a z 0 to 10, and spread angles up to 60 degrees or g from .5 on. The tables in `tables/` were
+//! The range is tau 0 to 12, sigma_a z 0 to 10, and spread angles up to 60 degrees or g from 0.5 on. The tables in `tables/` were
 //! made by `narrowbeam table --paths 800000 --seed 1 --out tables/wide-angle.table` and `narrowbeam table --phase hg --paths
 //! 200000 --seed 1 --out tables/wide-angle-hg.table`, as their first lines say too.
 
+#[doc(hidden)]
 pub mod layout;
 pub mod table;
 
@@ -35,7 +37,7 @@ use super::{Dual, SpreadKernel};
 use crate::error::Result;
 use crate::medium::Medium;
 use crate::phase::{Family, PhaseFunction};
-use layout::{Layout, rung};
+use layout::{Layout, relative_width};
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 use table::Table;
@@ -65,11 +67,11 @@ pub struct WideAngle {
     z: f64,
     /// Derivative in the phase-function parameter of the logarithm of every variance.
     widening: f64,
-    rungs: Vec<Rung>,
+    components: Vec<Component>,
 }
 
 /// One Gaussian of the mixture.
-struct Rung {
+struct Component {
     /// Its share of the light that set out.
     light: Dual,
     /// Its part of V q_j s_j, length.
@@ -79,13 +81,13 @@ struct Rung {
 }
 
 impl WideAngle {
-    /// The kernel of `table`, that of the family of its phase function, for `medium` after the path length `z`.
+    /// The kernel for `medium` after the path length `z`, from the `table` of the family of its phase function.
     ///
     /// # Errors
     /// [`Error::OutOfRange`](crate::Error::OutOfRange), with the range, where the table ends.
     ///
     /// # Panics
-    /// If the table is another family's.
+    /// If the table is that of another family.
     pub fn new(table: &Table, medium: &Medium, z: f64) -> Result<Self> {
         let phase = medium.phase();
         assert_eq!(table.layout().family, phase.family(), "the table of the family");
@@ -112,24 +114,24 @@ impl WideAngle {
             squares.into_iter().map(|s| s / sum).collect()
         };
         let (light, slope) = (shares(&node.light_roots), shares(&node.slope_roots));
-        let rung_of = |j: usize| {
-            let x = rung(j);
-            Rung {
+        let component = |j: usize| {
+            let x = relative_width(j);
+            Component {
                 light: total * light[j],
                 slope: x * (rise * slope[j]),
                 variance: (x * width.value) * (x * width.value),
             }
         };
         let widening = 2.0 * phase.planar_width_derivative() / phase.planar_width();
-        Ok(Self { medium: *medium, z, widening, rungs: (0..light.len()).map(rung_of).collect() })
+        Ok(Self { medium: *medium, z, widening, components: (0..light.len()).map(component).collect() })
     }
 
     /// sum_j w_j exp(-s_j² k²/2) with its derivatives.
-    fn mixture(&self, k: f64, weight: impl Fn(&Rung) -> Dual) -> Dual {
-        self.rungs.iter().fold(Dual::default(), |sum, rung| {
-            let exponent = 0.5 * rung.variance * k * k;
+    fn mixture(&self, k: f64, weight: impl Fn(&Component) -> Dual) -> Dual {
+        self.components.iter().fold(Dual::default(), |sum, component| {
+            let exponent = 0.5 * component.variance * k * k;
             let gaussian = (-exponent).exp();
-            sum + weight(rung)
+            sum + weight(component)
                 * Dual { value: gaussian, gradient: [0.0, 0.0, -exponent * self.widening * gaussian] }
         })
     }
@@ -145,28 +147,32 @@ impl SpreadKernel for WideAngle {
     }
 
     fn scattered_transfer(&self, k: f64) -> Dual {
-        self.mixture(k, |rung| rung.light)
+        self.mixture(k, |component| component.light)
     }
 
-    /// The offset's share is exact: E[r exp(ik·r)] = -i grad M.
+    /// The part of the offset is exact: E[r exp(ik·r)] = -i grad M.
     fn mean_slope(&self, k: f64, nearness: f64) -> Dual {
-        let steep = self.mixture(k, |rung| rung.slope);
-        let offset = self.mixture(k, |rung| {
-            let value = rung.variance / self.z;
-            rung.light * Dual { value, gradient: [0.0, 0.0, value * self.widening] }
+        let steep = self.mixture(k, |component| component.slope);
+        let offset = self.mixture(k, |component| {
+            let value = component.variance / self.z;
+            component.light * Dual { value, gradient: [0.0, 0.0, value * self.widening] }
         });
         k * k * (nearness * offset - steep)
     }
 
     fn psf(&self, r: f64) -> f64 {
-        let density = |rung: &Rung| {
-            rung.light.value / (2.0 * PI * rung.variance) * (-0.5 * r * r / rung.variance).exp()
+        let density = |component: &Component| {
+            component.light.value / (2.0 * PI * component.variance)
+                * (-0.5 * r * r / component.variance).exp()
         };
-        self.rungs.iter().map(density).sum()
+        self.components.iter().map(density).sum()
     }
 
     fn encircled_energy(&self, r: f64) -> f64 {
-        self.rungs.iter().map(|rung| -rung.light.value * (-0.5 * r * r / rung.variance).exp_m1()).sum()
+        self.components
+            .iter()
+            .map(|component| -component.light.value * (-0.5 * r * r / component.variance).exp_m1())
+            .sum()
     }
 
     fn width(&self) -> f64 {

@@ -12,7 +12,7 @@ use crate::spread::Dual;
 /// First words of a table's line.
 const KIND: &str = "narrowbeam wide-angle table 1;";
 
-/// What is interpolated, with derivatives in tau, sigma_a z and the phase-function parameter.
+/// The interpolated quantities, with derivatives in tau, sigma_a z and the phase-function parameter.
 pub(super) struct Interpolated {
     /// ln(W/phi).
     pub total: Dual,
@@ -32,7 +32,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// The line of a table made so.
+    /// The first line of a table that was made as `how` says.
     pub fn line(how: &str) -> String {
         format!("{KIND} {how}\n")
     }
@@ -106,12 +106,12 @@ impl Table {
             }
         }
         let dual = |i: usize| Dual { value: sums[0][i], gradient: [sums[1][i], sums[2][i], sums[3][i]] };
-        let (first, rungs) = (2, layout.rungs);
+        let (first, gaussians) = (2, layout.gaussians);
         Ok(Interpolated {
-            total: dual(0) * layout.bending(parameter),
+            total: dual(0) * layout.total_scale(parameter),
             slope: dual(1),
-            light_roots: (first..first + rungs).map(dual).collect(),
-            slope_roots: (first + rungs..first + 2 * rungs).map(dual).collect(),
+            light_roots: (first..first + gaussians).map(dual).collect(),
+            slope_roots: (first + gaussians..first + 2 * gaussians).map(dual).collect(),
         })
     }
 }

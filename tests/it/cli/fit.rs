@@ -207,11 +207,11 @@ fn every_choice_may_be_left_to_the_program() {
     // Small-angle theory is off by 1 to 3 % here.
     assert_eq!((&named["model"], &lax["model"]), (&"wide-angle".into(), &"small-angle".into()));
     for report in [&named, &lax] {
-        let ladder = report["ladder"].as_array().unwrap();
+        let candidates = report["ladder"].as_array().unwrap();
         let taken: Vec<&Value> =
-            ladder.iter().filter(|rung| rung["taken"] == true).map(|r| &r["model"]).collect();
+            candidates.iter().filter(|c| c["taken"] == true).map(|c| &c["model"]).collect();
         assert_eq!(taken, [&report["model"]]);
-        assert!(ladder[0]["shortcoming"].as_str().unwrap().contains("undetermined"));
+        assert!(candidates[0]["shortcoming"].as_str().unwrap().contains("undetermined"));
     }
     assert!(run.stdout.contains("gaussian") && run.stdout.contains("suffices"), "{}", run.stdout);
     assert!(shop.run("fit scene.toml --out result --tolerance 0").stderr.contains("--tolerance"));

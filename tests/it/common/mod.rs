@@ -1,16 +1,14 @@
 //! Scenes and comparators shared by the tests.
 #![allow(dead_code, unused_imports, reason = "each bench uses its own part")]
 
+pub mod estimates;
 pub mod program;
 pub mod recovery;
 pub mod report;
 
-use narrowbeam::filter::Target;
 pub use narrowbeam::fit::noise::with_noise;
-use narrowbeam::fit::{Datum, VeilTerm};
 use narrowbeam::geometry::{Camera, Field, Geometry};
 use narrowbeam::image::Image;
-use narrowbeam::scene::Gain;
 
 /// A texture with edges and smooth parts, positive.
 pub fn texture(width: usize, height: usize) -> Image {
@@ -47,21 +45,6 @@ pub fn edge_and_slope(side: usize) -> Geometry {
         depth: Field::Map(Image::from_fn(side, side, depth)),
         behind: Vec::new(),
         surface: Field::Uniform(0.0),
-    }
-}
-
-/// `target` seen as `observed`, with known gain 1 and veil 0, and noise that is not known.
-pub fn plainly<'a>(target: Target<'a>, observed: &'a Image) -> Datum<'a> {
-    Datum {
-        target,
-        observed,
-        mask: None,
-        hidden_share_max: 0.01,
-        noise: None,
-        gain: Gain::Fixed(1.0),
-        gain_error: 0.0,
-        depth_error: 0.0,
-        veil: VeilTerm::Fixed(0.0),
     }
 }
 

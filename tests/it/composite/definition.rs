@@ -32,7 +32,7 @@ fn the_fast_path_renders_what_is_defined() {
 }
 
 #[test]
-fn the_comparison_rejects_other_screens_slopes_and_layers() {
+fn the_comparison_rejects_other_occluders_slopes_and_layers() {
     let phase = Gaussian::new(B).unwrap();
     let optics = optics(Model::SmallAngle, &phase);
     let rejects = |index: usize, what: &str, wrong: &dyn Fn(&mut Scene)| {
@@ -44,9 +44,11 @@ fn the_comparison_rejects_other_screens_slopes_and_layers() {
         println!("{what}: {error:.1e}");
         assert!(error > 5.0 * FAST, "{what}: {error}");
     };
-    rejects(0, "without the screen", &|scene| scene.relief.screens.clear());
-    rejects(0, "one row of the screen open", &|scene| scene.relief.screens[0].opaque[..SIZE.0].fill(false));
-    rejects(1, "without the first of two screens", &|scene| drop(scene.relief.screens.remove(0)));
+    rejects(0, "without the occluder", &|scene| scene.relief.occluders.clear());
+    rejects(0, "one row of the occluder open", &|scene| {
+        scene.relief.occluders[0].opaque[..SIZE.0].fill(false)
+    });
+    rejects(1, "without the first of two occluders", &|scene| drop(scene.relief.occluders.remove(0)));
     rejects(4, "without slopes", &|scene| scene.relief.slopes[0] = None);
     rejects(3, "without the layer", &|scene| scene.behind[0].data.fill(0.0));
     rejects(4, "slopes the other way", &|scene| {
@@ -73,7 +75,7 @@ fn image_derivatives_match_central_differences() {
     let pitch = 0.05;
     let depth = |x: usize, y: usize| nested(x, y) + 0.02 * x as f64;
     let scene = Scene::new(SIZE, pitch, depth).before(|x, y| if depth(x, y) < 1.5 { 3.5 } else { EMPTY });
-    assert_eq!(scene.relief.screens.len(), 2);
+    assert_eq!(scene.relief.occluders.len(), 2);
     for model in Model::ALL {
         let point = [0.8, 0.1, 0.004];
         let phase = Gaussian::new(point[2]).unwrap();

@@ -6,7 +6,7 @@ use narrowbeam::filter::{Backend, Filter, Optics, hidden_share};
 use narrowbeam::geometry::Field;
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::Gaussian;
-use narrowbeam::relief::Screen;
+use narrowbeam::relief::Occluder;
 use narrowbeam::spread::Model;
 
 fn largest(values: impl Iterator<Item = f64>) -> f64 {
@@ -44,7 +44,7 @@ fn where_nothing_covers_and_nothing_slopes_it_is_eq29() {
 fn a_tilted_plane_hides_nothing_and_adds_the_slope_term_alone() {
     let phase = Gaussian::new(B).unwrap();
     let scene = Scene::all(1.0).swap_remove(4).1;
-    assert!(scene.relief.screens.is_empty());
+    assert!(scene.relief.occluders.is_empty());
     println!("model                slope term   error   (relative L2 of the image)");
     for model in Model::ALL {
         let optics = optics(model, &phase);
@@ -63,23 +63,23 @@ fn a_tilted_plane_hides_nothing_and_adds_the_slope_term_alone() {
 }
 
 #[test]
-fn a_screen_that_covers_nothing_changes_nothing() {
+fn an_occluder_that_covers_nothing_changes_nothing() {
     let phase = Gaussian::new(B).unwrap();
     let pitch = 0.05;
     for (name, scene) in
         [("flat", Scene::new(SIZE, pitch, |_, _| 2.5)), ("tilted", Scene::all(1.0).swap_remove(4).1)]
     {
-        let mut screened = scene.clone();
+        let mut occluded = scene.clone();
         let nothing = || vec![false; SIZE.0 * SIZE.1];
-        screened.relief.screens = [0.5, 0.9]
-            .map(|depth| Screen { depth, z: depth, opaque: nothing(), hidden: Field::Uniform(0.0) })
+        occluded.relief.occluders = [0.5, 0.9]
+            .map(|depth| Occluder { depth, z: depth, opaque: nothing(), hidden: Field::Uniform(0.0) })
             .to_vec();
-        let mut specked = screened.clone();
-        specked.relief.screens[1].opaque[8 * SIZE.0 + 12] = true;
+        let mut specked = occluded.clone();
+        specked.relief.occluders[1].opaque[8 * SIZE.0 + 12] = true;
         for model in Model::ALL {
             let optics = optics(model, &phase);
             let [open, speck, without] =
-                [&screened, &specked, &scene].map(|s| s.fast(Filter::Composite, &optics));
+                [&occluded, &specked, &scene].map(|s| s.fast(Filter::Composite, &optics));
             let error = relative_l2(open, without.clone());
             println!("{name}, {model}: {error:.1e}");
             assert!(error < 1e-6, "{name}, {model}: {error}");
@@ -122,7 +122,7 @@ fn no_light_is_lost_where_a_layer_closes_the_gap() {
 
 #[test]
 fn no_light_is_gained_where_objects_stand_one_behind_another() {
-    // All paths end on radiance 1 at most. A screen far behind a small object would blur its shadow, not its light.
+    // All paths end on radiance 1 at most. An occluder far behind a small object would blur its shadow, not its light.
     let phase = Gaussian::new(0.004).unwrap();
     let optics = Optics { model: Model::SmallAngle, medium: Medium::new(1.2, 0.0, phase.into()).unwrap() };
     let plate = |x: usize, _: usize| x < 18;
@@ -159,7 +159,7 @@ fn direct_light_alone_comes_from_the_nearest_surface() {
     };
     let scene =
         Scene::new(SIZE, 0.05, front).before(|x, y| if front(x, y) < 3.5 { 3.5 } else { EMPTY }).white();
-    assert_eq!(scene.relief.screens.len(), 2);
+    assert_eq!(scene.relief.occluders.len(), 2);
     for (i, light) in scene.fast(Filter::Composite, &optics).into_iter().enumerate() {
         let want = (-1.2 * front(i % SIZE.0, i / SIZE.0)).exp();
         assert!((light / want - 1.0).abs() < 1e-6, "pixel {i}: {light}, not {want}");

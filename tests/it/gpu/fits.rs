@@ -6,24 +6,25 @@ use crate::common::with_noise;
 use narrowbeam::filter::cpu::CpuFilter;
 use narrowbeam::filter::gpu::GpuFilter;
 use narrowbeam::filter::{Backend, Filter, Optics};
-use narrowbeam::fit::scenes::fit_scenes;
-use narrowbeam::fit::{ChannelFit, Datum, NAMES, NoiseTerm, Settings, VeilTerm, fit_channel};
+use narrowbeam::fit::{ChannelFit, NoiseTerm, Observation, Settings, VeilTerm, fit_channel, fit_scenes};
 use narrowbeam::image::Image;
 use narrowbeam::medium::Medium;
-use narrowbeam::phase::Gaussian;
 use narrowbeam::scene::{FitOptions, Gain, ObservedScene};
 use narrowbeam::spread::Model;
 use std::path::Path;
 
 /// What a fit was made with: sigma_s, sigma_a (1/length), B (rad²), gain and veil.
-const TRUTH: [f64; 3] = [0.8, 0.1, 2e-5];
+const TRUTH: (f64, f64, f64) = (0.8, 0.1, 2e-5);
 const GAIN: f32 = 1.7;
 const VEIL: f32 = 0.05;
 
+fn optics() -> Optics {
+    let (sigma_s, sigma_a, b) = TRUTH;
+    Optics { model: Model::SmallAngle, medium: Medium::gaussian(sigma_s, sigma_a, b).unwrap() }
+}
+
 fn observed(scene: &Scene) -> Image {
-    let phase = Gaussian::new(TRUTH[2]).unwrap();
-    let medium = Medium::new(TRUTH[0], TRUTH[1], phase.into()).unwrap();
-    let optics = Optics { model: Model::SmallAngle, medium };
+    let optics = optics();
     let mut image = CpuFilter::new(scene.target(), &optics, 1.0).unwrap().render(&optics).unwrap();
     image.data.iter_mut().for_each(|v| *v = GAIN * *v + VEIL);
     with_noise(&image, 0.005, 3)
@@ -31,9 +32,10 @@ fn observed(scene: &Scene) -> Image {
 
 /// The estimates of both backends, which must agree to a hundredth of a standard error: the solver stops there.
 fn assert_same(name: &str, cpu: &ChannelFit, device: &ChannelFit) {
-    for (i, parameter) in NAMES.into_iter().enumerate() {
-        let (a, b) = (cpu.parameters.values()[i], device.parameters.values()[i]);
-        let error = cpu.uncertainty.std_error(i).unwrap() * if i == 1 { 1.0 } else { a };
+    for (id, found) in cpu.parameters.of_medium() {
+        let parameter = found.name();
+        let (a, b) = (found.value(), device.parameters[parameter].value());
+        let error = cpu.covariance.std_error(id).unwrap() * found.slope();
         let off = (a - b).abs() / error;
         println!("{name:28} {parameter:8} {a:.6} {b:.6} {off:.1e} standard errors apart");
         assert!(off < 0.02, "{name}, {parameter}: {off} standard errors");
@@ -55,21 +57,17 @@ fn fits_equal_those_of_the_cpu() {
     ];
     for (name, scene, mask, veil, noise) in &cases {
         let image = observed(scene);
-        let datum = Datum {
-            target: scene.target(),
-            observed: &image,
+        let observation = Observation {
             mask: *mask,
-            hidden_share_max: 0.01,
-            gain_error: 0.0,
-            depth_error: 0.0,
             noise: *noise,
             gain: if mask.is_some() { Gain::Free } else { Gain::Fixed(f64::from(GAIN)) },
             veil: *veil,
+            ..Observation::plain(scene.target(), &image)
         };
         let fit = |backend| {
             // By renders alone, so that the device takes every step.
-            let settings = Settings { backend, sums: false, ..Settings::default() };
-            fit_channel(&[datum], &FitOptions::default(), &settings).unwrap()
+            let settings = Settings { backend, gram: false, ..Settings::default() };
+            fit_channel(&[observation], &FitOptions::default(), &settings, &|| ()).unwrap()
         };
         assert_same(name, &fit(Backend::Cpu), &fit(Backend::Gpu(gpu())));
     }
@@ -81,18 +79,12 @@ fn a_fit_of_another_image_is_told_apart() {
     let image = observed(&scene);
     let other = Image { data: image.data.iter().map(|v| 0.999 * v).collect(), ..image.clone() };
     let fit = |observed| {
-        let datum = Datum {
-            target: scene.target(),
-            observed,
-            mask: None,
-            hidden_share_max: 0.01,
-            gain_error: 0.0,
-            depth_error: 0.0,
-            noise: None,
+        let observation = Observation {
             gain: Gain::Fixed(f64::from(GAIN)),
             veil: VeilTerm::Fixed(f64::from(VEIL)),
+            ..Observation::plain(scene.target(), observed)
         };
-        fit_channel(&[datum], &FitOptions::default(), &Settings::default()).unwrap()
+        fit_channel(&[observation], &FitOptions::default(), &Settings::default(), &|| ()).unwrap()
     };
     let (right, wrong) = (fit(&image), fit(&other));
     assert!(std::panic::catch_unwind(|| assert_same("a thousandth darker", &right, &wrong)).is_err());
@@ -101,14 +93,12 @@ fn a_fit_of_another_image_is_told_apart() {
 /// The sums of one evaluation over a square depth map of `side` pixels.
 fn evaluation(side: usize) {
     let scene = Scene::slope((side, side), side).composite();
-    let phase = Gaussian::new(TRUTH[2]).unwrap();
-    let optics =
-        Optics { model: Model::SmallAngle, medium: Medium::new(TRUTH[0], TRUTH[1], phase.into()).unwrap() };
+    let optics = optics();
     let cpu = CpuFilter::new(scene.target(), &optics, 1.0).unwrap().render_with_gradient(&optics).unwrap();
     let observed = with_noise(&cpu.image, 0.005, 4);
     let filter = GpuFilter::new(gpu(), scene.target(), &optics, 1.0).unwrap();
     let observation = filter.observe(observed.data.iter().map(|&y| (y, 1.0))).unwrap();
-    let device = filter.products(&optics, &observation, [1.0, 0.0], true).unwrap();
+    let device = filter.products(&optics, &observation, [1.0, 0.0], true, None).unwrap();
     let [s, a, b] = cpu.gradient.unwrap();
     let value = |image: &Image, at: usize| f64::from(image.data[at]);
     let images = |at: usize| {
@@ -124,7 +114,7 @@ fn evaluation(side: usize) {
     for i in 0..6 {
         for j in 0..6 {
             let size = (exact[i][i] * exact[j][j]).sqrt();
-            worst = worst.max((device[i][j] - exact[i][j]).abs() / size);
+            worst = worst.max((device[(i, j)] - exact[i][j]).abs() / size);
         }
     }
     println!("{side}x{side}: sums apart by {worst:.1e} of the norms of the two images");
@@ -148,16 +138,16 @@ fn dataset(name: &str) {
     let scene = ObservedScene::read(&path).unwrap();
     let fit = |backend| {
         let settings = Settings { backend, ..Settings::default() };
-        fit_scenes(std::slice::from_ref(&scene), &settings, Filter::Auto).unwrap()
+        fit_scenes(std::slice::from_ref(&scene), &settings, Filter::Auto, &|| ()).unwrap()
     };
     let (cpu, device) = (fit(Backend::Cpu), fit(Backend::Gpu(gpu())));
-    assert_eq!(device.report.backend["kind"], "gpu");
+    assert_eq!(device.report.backend.kind, "gpu");
     for ((_, cpu), (_, device)) in cpu.channels.iter().zip(&device.channels) {
         assert_same(name, cpu, device);
     }
 }
 
-/// What the CPU recovers within the tolerances of tests/recovery_datasets.rs, the device then recovers too.
+/// What the CPU recovers within the tolerances of tests/it/recovery_datasets.rs, the device then recovers too.
 #[test]
 fn bundled_depth_maps_give_the_same_on_both_backends() {
     for name in ["mitsuba-slope", "traced-slope"] {

@@ -12,9 +12,9 @@ use narrowbeam::phase::Gaussian;
 use narrowbeam::spread::Model;
 
 /// CPU and device read the same tables and differ by the roundings of their transforms, some 1e-7 of an image; where
-/// light is taken through screens, the quotients of transfer functions magnify them. A hundredth of the slices' 1e-4.
+/// light is taken through occluders, the quotients of transfer functions magnify them. A hundredth of the slices' 1e-4.
 const SAME: f64 = 1e-6;
-const SAME_BEHIND_SCREENS: f64 = 1e-5;
+const SAME_BEHIND_OCCLUDERS: f64 = 1e-5;
 
 /// Width of the phase function, rad².
 const B: f64 = 0.003;
@@ -53,7 +53,7 @@ fn images_and_derivatives_equal_those_of_the_cpu() {
     for scene in scenes::all() {
         let d = distances(&scene, Model::SmallAngle);
         println!("{:28} {:.1e} {:.1e}    {:.1e}    {:.1e} {:.1e}", scene.name, d[0], d[1], d[2], d[3], d[4]);
-        let same = if scene.name.contains("box") { SAME_BEHIND_SCREENS } else { SAME };
+        let same = if scene.name.contains("box") { SAME_BEHIND_OCCLUDERS } else { SAME };
         // Derivatives are differences of transfer functions a few times larger than they are.
         assert!(d[0].max(d[4]) < same && d[1].max(d[2]).max(d[3]) < 5.0 * same, "{}: {d:?}", scene.name);
     }
@@ -65,7 +65,7 @@ fn every_model_equals_its_cpu_image() {
     for model in Model::ALL {
         let d = distances(&scene, model);
         println!("{model:20} {d:.1?}");
-        assert!(d.iter().all(|d| *d < 5.0 * SAME_BEHIND_SCREENS), "{model}: {d:?}");
+        assert!(d.iter().all(|d| *d < 5.0 * SAME_BEHIND_OCCLUDERS), "{model}: {d:?}");
     }
 }
 
@@ -81,7 +81,7 @@ fn another_medium_is_told_apart() {
     let filter = GpuFilter::new(gpu(), scene.target(), &optics(0.8), 1.0).unwrap();
     let off = distance(&filter.render(&optics(0.8 * (1.0 + 1e-4))).unwrap(), &cpu);
     println!("sigma_s off by 1e-4: image off by {off:.1e}");
-    assert!(off > SAME_BEHIND_SCREENS);
+    assert!(off > SAME_BEHIND_OCCLUDERS);
 }
 
 /// The bound for images, and for the light that they add up to.

@@ -12,13 +12,14 @@ mod contenders_are_right;
 mod fits;
 mod images;
 mod scenes;
+mod shifts;
 mod stages;
 mod twins;
 
 use narrowbeam::gpu::Gpu;
 
 /// The device that the tests share.
-fn gpu() -> &'static Gpu {
+pub fn gpu() -> &'static Gpu {
     static GPU: std::sync::OnceLock<Gpu> = std::sync::OnceLock::new();
     GPU.get_or_init(|| {
         let gpu = Gpu::open().expect("these tests need a graphics adapter: see scripts/test.sh");

@@ -1,18 +1,19 @@
 //! Each stage against its twin, on numbers drawn at random.
 
 use super::gpu;
-use super::twins::{C, bend, collect, gather, pass, split, sums, total, weigh};
+use super::twins::{C, collect, gather, pass, slope_correction, split, sums, total, weigh};
 use bytemuck::{Pod, Zeroable};
 use narrowbeam::filter::gpu::shaders::{self, ALL};
 use narrowbeam::filter::gpu::{
-    CanvasLayout, Collect, FftPlan, Gather, NOTHING, PRODUCTS, Pass, Record, Source, Store, Sums, Total,
-    Weigh,
+    CanvasLayout, Collect, FftPlan, Gather, NOTHING, Pass, Record, Source, Store, Sums, Total, Weigh,
+    products,
 };
 use narrowbeam::gpu::Shader;
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
+use std::collections::BTreeSet;
 use wgpu::Buffer;
 use wgpu::naga;
 
@@ -20,44 +21,44 @@ use wgpu::naga;
 /// sum. So they differ by a few roundings of 6e-8 of the largest terms.
 const SAME: f64 = 2e-6;
 
-struct Draw(Xoshiro256PlusPlus);
+pub struct Draw(Xoshiro256PlusPlus);
 
 impl Draw {
-    fn new(seed: u64) -> Self {
+    pub fn new(seed: u64) -> Self {
         Self(Xoshiro256PlusPlus::seed_from_u64(seed))
     }
 
     /// Between -1 and 1.
-    fn number(&mut self) -> f32 {
+    pub fn number(&mut self) -> f32 {
         (self.0.next_u32() >> 8) as f32 / (1 << 23) as f32 - 1.0
     }
 
-    fn below(&mut self, n: u32) -> u32 {
+    pub fn below(&mut self, n: u32) -> u32 {
         self.0.next_u32() % n
     }
 
-    fn numbers(&mut self, count: usize) -> Vec<f32> {
+    pub fn numbers(&mut self, count: usize) -> Vec<f32> {
         (0..count).map(|_| self.number()).collect()
     }
 
-    fn complex(&mut self, count: usize) -> Vec<C> {
+    pub fn complex(&mut self, count: usize) -> Vec<C> {
         (0..count).map(|_| C::new(self.number(), self.number())).collect()
     }
 
     /// Positive factors with any derivatives.
-    fn lanes(&mut self, count: usize) -> Vec<[f32; 4]> {
+    pub fn lanes(&mut self, count: usize) -> Vec<[f32; 4]> {
         let mut lane = || [1.0 + 0.5 * self.number(), self.number(), self.number(), self.number()];
         (0..count).map(|_| lane()).collect()
     }
 
-    fn sources(&mut self, count: usize, slices: u32) -> Vec<Source> {
+    pub fn sources(&mut self, count: usize, slices: u32) -> Vec<Source> {
         let mut source = || Source {
             light: self.number().max(0.0),
             along: [self.below(slices) as f32, self.number()],
             z: 2.0 + self.number(),
             cosine: 0.9 + 0.1 * self.number(),
             slope: [self.number(), self.number()],
-            segment: [0, 1, NOTHING][self.below(3) as usize],
+            slab: [0, 1, NOTHING][self.below(3) as usize],
         };
         (0..count).map(|_| source()).collect()
     }
@@ -71,11 +72,11 @@ fn difference(device: &[f32], twin: &[f32]) -> f64 {
     f64::from(apart) / f64::from(largest(&mut twin.iter().copied()))
 }
 
-fn floats(values: &[C]) -> Vec<f32> {
+pub fn floats(values: &[C]) -> Vec<f32> {
     values.iter().flat_map(|v| [v.re, v.im]).collect()
 }
 
-fn check(stage: &str, case: &str, device: &[f32], twin: &[f32]) {
+pub fn check(stage: &str, case: &str, device: &[f32], twin: &[f32]) {
     let off = difference(device, twin);
     println!("{stage:8} {case:36} {off:.1e}");
     assert!(off < SAME, "{stage}, {case}: {off}");
@@ -85,12 +86,12 @@ fn check(stage: &str, case: &str, device: &[f32], twin: &[f32]) {
     assert!(difference(&wrong, twin) > SAME, "{stage}, {case}");
 }
 
-fn complex_buffer(values: &[C]) -> Buffer {
+pub fn complex_buffer(values: &[C]) -> Buffer {
     gpu().upload("complex", &floats(values)).unwrap()
 }
 
 /// Runs `shader` and reads `count` floats of the buffer number `read` back.
-fn run<P: Pod>(
+pub fn run<P: Pod>(
     shader: &Shader,
     parameters: &P,
     buffers: &[&Buffer],
@@ -103,12 +104,12 @@ fn run<P: Pod>(
     read.iter().map(|&(i, count)| gpu().read(buffers[i], count).unwrap()).collect()
 }
 
-fn canvas(border: u32) -> CanvasLayout {
-    CanvasLayout { size: [18, 14], object: [9, 7], margin: [4, 3], border, sheets: 2 }
+pub fn canvas(border: u32) -> CanvasLayout {
+    CanvasLayout { size: [18, 14], object: [9, 7], margin: [4, 3], border, layers: 2 }
 }
 
-const PIXELS: usize = 18 * 14;
-const OBJECT: usize = 9 * 7;
+pub const PIXELS: usize = 18 * 14;
+pub const OBJECT: usize = 9 * 7;
 
 #[test]
 fn every_shader_is_valid() {
@@ -154,7 +155,7 @@ fn weigh_equals_its_twin() {
             let second = if sloping == 1 { NOTHING } else { slices - 1 };
             let parameters = Weigh {
                 canvas: canvas(border),
-                segment: 1,
+                slab: 1,
                 exact,
                 counts,
                 slices: [1, second],
@@ -173,7 +174,7 @@ fn weigh_equals_its_twin() {
 }
 
 /// Stands for a complex number in a buffer.
-type C2 = [f32; 2];
+pub type C2 = [f32; 2];
 
 #[test]
 fn transforms_equal_those_of_rustfft() {
@@ -210,7 +211,7 @@ fn transposed_fft(image: &[C], width: usize, height: usize) -> Vec<f32> {
 }
 
 #[test]
-fn split_and_bend_equal_their_twins() {
+fn split_and_slope_correction_equal_their_twins() {
     let mut draw = Draw::new(3);
     let [width, height] = [18, 14];
     for (begin, columns) in [(0, 10), (4, 6)] {
@@ -219,7 +220,10 @@ fn split_and_bend_equal_their_twins() {
             let pair = draw.complex(PIXELS);
             let count = (columns * 3 * height) as usize;
             type Twin = fn(&Store, &[C], &mut [C]);
-            let twins: [(&Shader, Twin); 2] = [(&shaders::SPLIT, split::split), (&shaders::BEND, bend::bend)];
+            let twins: [(&Shader, Twin); 2] = [
+                (&shaders::SPLIT, split::split),
+                (&shaders::SLOPE_CORRECTION, slope_correction::slope_correction),
+            ];
             for (shader, twin) in twins {
                 let mut expected = vec![C::default(); count];
                 twin(&parameters, &pair, &mut expected);
@@ -241,17 +245,17 @@ fn gather_equals_its_twin() {
     let count = (width * height) as usize;
     // More slices than are held at a time, columns in two parts, and all that may be there or not.
     for flags in 0..16u32 {
-        let [sloping, carried, gated, derivatives] = [0, 1, 2, 3].map(|bit| flags >> bit & 1);
+        let [sloping, carried, occluded, derivatives] = [0, 1, 2, 3].map(|bit| flags >> bit & 1);
         let (slices, begin, columns) = (18, 3, 7);
-        let records = slices + carried + gated;
+        let records = slices + carried + occluded;
         let per_w = 40.0;
         let entries = (4.5 * per_w) as u32 + 4;
         let tables = draw.lanes((2 * records * entries + records * 64 + entries) as usize);
         let record = |i: u32| Record {
             baseband: 2 * i * entries,
             per_w,
-            bend: (2 * i + 1) * entries,
-            bend_per_w: per_w,
+            slope_correction: (2 * i + 1) * entries,
+            slope_correction_per_w: per_w,
             aliases: 2 * records * entries + i * 64,
             direct: [0.5, 0.1, -0.2, 0.0],
             unscattered: [0.3, -0.1, 0.2, 0.1],
@@ -270,7 +274,7 @@ fn gather_equals_its_twin() {
             slices,
             sloping,
             carried,
-            gated,
+            occluded,
             derivatives,
             scale: tables.len() as u32 - entries,
             scale_per_w: per_w,
@@ -295,7 +299,7 @@ fn gather_equals_its_twin() {
             spectra: &spectra,
         }
         .run(&mut pairs);
-        let case = format!("slope {sloping}, carried {carried}, gated {gated}, gradient {derivatives}");
+        let case = format!("slope {sloping}, carried {carried}, occluded {occluded}, gradient {derivatives}");
         check("gather", &case, &device[0], &floats(&pairs[0]));
         check("gather", &case, &device[1], &floats(&pairs[1]));
     }
@@ -311,7 +315,7 @@ fn pass_and_collect_equal_their_twins() {
         let on_device = gpu().upload("sources", &sources).unwrap();
         let parameters = Pass {
             canvas: canvas(border),
-            segment: 1,
+            slab: 1,
             bit: 2,
             z: 0.7,
             sigma_t: 0.8,
@@ -367,35 +371,39 @@ fn sums_and_their_total_equal_their_twins_and_lose_nothing() {
     let mut draw = Draw::new(6);
     let pixels = 30_000;
     let groups = 8;
-    for derivatives in [0, 1] {
-        let planes: Vec<f32> = draw.numbers(4 * pixels).into_iter().map(|v| 1.0 + 0.5 * v).collect();
+    for (images, derivatives) in [(6, 0), (6, 1), (8, 0), (8, 1)] {
+        let shader = if images == 6 { &shaders::SUMS } else { &shaders::SUMS_OF_EIGHT };
+        let case = format!("{images} images, gradient {derivatives}");
+        let planes: Vec<f32> =
+            draw.numbers((images - 2) * pixels).into_iter().map(|v| 1.0 + 0.5 * v).collect();
         // The residual is a thousandth of the image.
         let observe =
             |draw: &mut Draw, m: f32| [1.5 * m + 0.1 + 1e-3 * draw.number(), draw.below(4).min(1) as f32];
         let observed: Vec<C2> = planes[..pixels].iter().map(|&m| observe(&mut draw, m)).collect();
         let parameters =
             Sums { pixels: pixels as u32, gain: 1.5, veil: 0.1, derivatives, zero: 0, padding: [0; 3] };
-        let partial = gpu().empty::<C2>("partial", groups * PRODUCTS).unwrap();
+        let partial = gpu().empty::<C2>("partial", groups * products(images)).unwrap();
         let buffers = [
             &gpu().upload("planes", &planes).unwrap(),
             &gpu().upload("observed", &observed).unwrap(),
             &partial,
         ];
-        let count = 2 * groups * PRODUCTS;
-        let device = run(&shaders::SUMS, &parameters, &buffers, groups, &[(2, count)]);
-        let twin = sums::sums(&parameters, &planes, &observed, groups);
-        check("sums", &format!("gradient {derivatives}"), &device[0], twin.as_flattened());
+        let count = 2 * groups * products(images);
+        let device = run(shader, &parameters, &buffers, groups, &[(2, count)]);
+        let twin = sums::sums(&parameters, images, &planes, &observed, groups);
+        check("sums", &case, &device[0], twin.as_flattened());
 
-        let parameters = Total { groups: groups as u32, products: PRODUCTS as u32, zero: 0, padding: 0 };
-        let whole = gpu().empty::<C2>("whole", PRODUCTS).unwrap();
-        let device = run(&shaders::TOTAL, &parameters, &[&partial, &whole], 1, &[(1, 2 * PRODUCTS)]);
+        let parameters =
+            Total { groups: groups as u32, products: products(images) as u32, zero: 0, padding: 0 };
+        let whole = gpu().empty::<C2>("whole", products(images)).unwrap();
+        let device = run(&shaders::TOTAL, &parameters, &[&partial, &whole], 1, &[(1, 2 * products(images))]);
         let twin = total::total(&parameters, &twin);
-        check("total", &format!("gradient {derivatives}"), &device[0], twin.as_flattened());
+        check("total", &case, &device[0], twin.as_flattened());
 
-        let exact = exact_sums(&planes, &observed, derivatives == 1);
+        let exact = exact_sums(images, &planes, &observed, derivatives == 1);
         let place = |i: usize, j: usize| i * (i + 1) / 2 + j;
         let mut worst: f64 = 0.0;
-        for (i, j) in (0..6).flat_map(|i| (0..=i).map(move |j| (i, j))) {
+        for (i, j) in (0..images).flat_map(|i| (0..=i).map(move |j| (i, j))) {
             let [high, low] = [0, 1].map(|k| f64::from(device[0][2 * place(i, j) + k]));
             let size = (exact[place(i, i)] * exact[place(j, j)]).sqrt().max(1.0);
             worst = worst.max((high + low - exact[place(i, j)]).abs() / size);
@@ -415,28 +423,35 @@ fn sums_and_their_total_equal_their_twins_and_lose_nothing() {
 }
 
 /// The same products in f64, of the same f32 images.
-fn exact_sums(planes: &[f32], observed: &[C2], derivatives: bool) -> Vec<f64> {
+fn exact_sums(images: usize, planes: &[f32], observed: &[C2], derivatives: bool) -> Vec<f64> {
     let pixels = observed.len();
-    let mut sums = vec![0.0; PRODUCTS];
+    let mut sums = vec![0.0; products(images)];
     for (at, here) in observed.iter().enumerate().filter(|(_, here)| here[1] > 0.0) {
         let m = f64::from(planes[at]);
         let d = |c: usize| if derivatives { f64::from(planes[c * pixels + at]) } else { 0.0 };
         let residual = f64::from(1.5f32) * m + f64::from(0.1f32) - f64::from(here[0]);
-        let all = [m, d(1), d(2), d(3), residual, 1.0];
-        let products = (0..6).flat_map(|i| (0..=i).map(move |j| (i, j)));
+        let rendered = std::iter::once(m).chain((1..images - 2).map(d));
+        let all: Vec<f64> = rendered.chain([residual, 1.0]).collect();
+        let products = (0..images).flat_map(|i| (0..=i).map(move |j| (i, j)));
         sums.iter_mut().zip(products).for_each(|(sum, (i, j))| *sum += all[i] * all[j]);
     }
     sums
+}
+
+/// The file that a shader is in: its name, before what it is made for.
+fn file(shader: &Shader) -> &'static str {
+    shader.name.split(' ').next().unwrap()
 }
 
 #[test]
 fn twins_have_the_names_of_the_shaders() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
     for shader in ALL.iter().filter(|shader| shader.name != "fft") {
-        let twin = folder.join("tests/it/gpu/twins").join(shader.name).with_extension("rs");
+        let twin = folder.join("tests/it/gpu/twins").join(file(shader)).with_extension("rs");
         assert!(twin.is_file(), "{}", twin.display());
     }
     let files = std::fs::read_dir(folder.join("shaders")).unwrap();
     let count = files.filter(|f| f.as_ref().unwrap().path().extension().is_some()).count();
-    assert_eq!(count, ALL.len(), "a shader file is not among those checked");
+    let checked: BTreeSet<&str> = ALL.iter().map(file).collect();
+    assert_eq!(count, checked.len(), "a shader file is not among those checked");
 }

@@ -225,5 +225,5 @@ fn options_of_the_fit_are_checked() {
     folder.refuses(&and("[fit]\nstart = { b = 1 }\nbounds = { b = [0.1, 0.2] }"), &["[fit] start b = 1"]);
     let text = and("[fit]\nstart = { sigma_a = 1 }\nfixed = { sigma_a = 0 }\nbounds = { b = [1e-5, 1] }");
     let options = folder.observed(&text).unwrap().scene.fit[0];
-    assert_eq!((options.fixed[1], options.bounds[2]), (Some(0.0), Some([1e-5, 1.0])));
+    assert_eq!((options.sigma_a.fixed, options.phase.bounds), (Some(0.0), Some([1e-5, 1.0])));
 }

@@ -61,8 +61,8 @@ fn a_fit_names_its_own_phase_function() {
     assert_eq!((options(SCENE).family, options(&other).family), (Family::Gaussian, Family::Gaussian));
     let text = and("[fit]\nphase = \"hg\"\nstart = { g = 0.8 }\nbounds = { g = [0.5, 0.99] }");
     let read = options(&text);
-    assert_eq!((read.family, read.start[2], read.bounds[2]), (HG, Some(0.8), Some([0.5, 0.99])));
-    assert_eq!(options(&and("[fit]\nphase = \"hg\"\nfixed = { g = 0.8 }")).fixed[2], Some(0.8));
+    assert_eq!((read.family, read.phase.start, read.phase.bounds), (HG, Some(0.8), Some([0.5, 0.99])));
+    assert_eq!(options(&and("[fit]\nphase = \"hg\"\nfixed = { g = 0.8 }")).phase.fixed, Some(0.8));
 }
 
 #[test]

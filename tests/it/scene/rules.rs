@@ -112,7 +112,7 @@ fn three_channels_have_three_values() {
     let media = scene.media(PartialMedium::default()).unwrap();
     assert_eq!(media.iter().map(|m| m.sigma_s()).collect::<Vec<_>>(), [1.0, 2.0, 3.0]);
     assert_eq!(media[2].sigma_a(), 0.05);
-    assert_eq!((scene.fit[1].start[2], scene.fit[1].bounds[0]), (Some(0.2), Some([2.0, 3.0])));
+    assert_eq!((scene.fit[1].phase.start, scene.fit[1].sigma_s.bounds), (Some(0.2), Some([2.0, 3.0])));
     folder.put("observed.exr", &[("Y", texture(SEEN))]);
     folder.refuses(&text, &["observed.exr: has no channel R, G, B", "it holds Y"]);
 }

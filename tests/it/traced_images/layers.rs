@@ -19,9 +19,9 @@ impl Setup {
 }
 
 /// Light from two half planes, the near one (x < 0) at z = 1 and the far one (x > 0) at z = 2.5, that reaches the
-/// camera from (`x`, 0): a tracer with analytic sheets. The far plane goes on behind the near one with the radiance
+/// camera from (`x`, 0): a tracer with analytic layers. The far plane goes on behind the near one with the radiance
 /// `hidden`. Returns mean and variance of the mean.
-fn two_sheets(x: [f64; 2], hidden: f64, medium: Medium, paths: u64) -> (f64, f64) {
+fn two_layers(x: [f64; 2], hidden: f64, medium: Medium, paths: u64) -> (f64, f64) {
     let key = Stream::key(77);
     let (mut sum, mut squares) = (0.0, 0.0);
     for i in 0..paths {
@@ -80,7 +80,7 @@ fn a_near_half_plane_hides_what_lies_behind_it_but_for_paths_around_its_edge() {
                 .map(|x| {
                     let left = 0.05 * (x as f64 - 12.0);
                     let seen = [left, left + 0.05];
-                    let (truth, noise) = two_sheets(seen, hidden, setup.medium, 60_000);
+                    let (truth, noise) = two_layers(seen, hidden, setup.medium, 60_000);
                     (traced[x].0, traced[x].1 + noise, truth)
                 })
                 .collect();

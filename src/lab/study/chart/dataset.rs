@@ -24,9 +24,9 @@ pub struct Dataset {
     pub truth: Vec<Medium>,
     /// Median path length, length.
     pub z: f64,
-    /// Channel and index of every pixel that counts: where the mask lets it, and hardly any light is hidden.
+    /// Channel and index of every pixel that counts: where the mask permits it and hardly any light is hidden.
     counted: Vec<(usize, usize)>,
-    /// Light from the object at these pixels, gain and veil taken off, with its noise.
+    /// Light from the object at these pixels, with gain and veil removed, and its noise.
     light: Vec<Estimate>,
 }
 
@@ -128,13 +128,13 @@ impl Dataset {
         self.counted.len()
     }
 
-    /// The error of a render, one image a channel, relative to the root mean square of the observed light.
+    /// The error of a render, one image per channel, relative to the root mean square of the observed light.
     pub fn error_of(&self, render: &[Image]) -> RmsError {
         let pixels = self.counted.iter().map(|&(c, i)| f64::from(render[c].data[i]));
         self.compare(pixels.collect()).expect("there is light: checked on reading")
     }
 
-    /// The error that a perfect render shows for the noise of the observation, at one standard deviation of its square.
+    /// The error that a perfect render shows because of the noise of the observation, at one standard deviation of its square.
     pub fn floor(&self) -> f64 {
         let perfect = self.compare(self.light.iter().map(|o| o.value).collect());
         perfect.expect("there is light: checked on reading").error.std_error

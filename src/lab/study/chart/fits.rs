@@ -10,7 +10,7 @@ use crate::medium::Medium;
 use crate::phase::PhaseFunction;
 use crate::spread::Model;
 
-/// One model, or the automatic choice of one, on one backend, and what came of it.
+/// One model, or the automatic choice of one, on one backend, and its result.
 #[derive(Debug, Clone)]
 pub struct FitTrial {
     /// Model and solver.
@@ -19,7 +19,7 @@ pub struct FitTrial {
     pub backend: &'static str,
     /// How long it took, if there was a fit.
     pub time: Option<Timing>,
-    /// What was found, or why not all was.
+    /// The estimate, or why it is missing or incomplete.
     pub outcome: std::result::Result<Fitted, String>,
 }
 
@@ -50,7 +50,7 @@ impl Fitted {
     }
 }
 
-/// The error of `value` relative to the truth; where that is no absorption, the error of sigma_a z. Of g it is relative to 1 - g.
+/// The error of `value` relative to the truth; where the true sigma_a is 0, the error of sigma_a z. Of g it is relative to 1 - g.
 pub(super) fn relative_error(quantity: Quantity, value: f64, truth: &Medium, z: f64) -> f64 {
     let true_value = State::from(*truth).value(quantity);
     let unit = match quantity {
@@ -61,7 +61,7 @@ pub(super) fn relative_error(quantity: Quantity, value: f64, truth: &Medium, z: 
     (value - true_value) / unit
 }
 
-/// What an error of a parameter is measured by.
+/// The unit of the error of a parameter.
 fn scale(truth: f64, z: f64) -> f64 {
     if truth > 0.0 { truth } else { 1.0 / z }
 }

@@ -1,7 +1,7 @@
 //! The Pareto front: what is not beaten in both respects at once.
 
 /// Which of the `points`, (cost, error), no other one beats: a point that costs no more and errs no more beats another
-/// unless both are the same, of which the first counts. In order of cost. What is not finite is on no front.
+/// unless both are the same, of which the first counts. In order of cost. Points that are not finite are on no front.
 pub fn front(points: &[(f64, f64)]) -> Vec<usize> {
     let finite = |i: &usize| points[*i].0.is_finite() && points[*i].1.is_finite();
     let mut order: Vec<usize> = (0..points.len()).filter(finite).collect();
@@ -22,7 +22,7 @@ mod tests {
     #[test]
     fn dominated_points_are_rejected_and_the_rest_is_in_order_of_cost() {
         let points = [(3.0, 0.1), (1.0, 1.0), (2.0, 2.0), (2.0, 0.5), (4.0, 0.1), (2.0, 0.6)];
-        // (2, 2) and (2, .6) err more at no less cost than (2, .5), (4, .1) costs more than (3, .1).
+        // (2, 2) and (2, 0.6) err more at no less cost than (2, 0.5), (4, 0.1) costs more than (3, 0.1).
         assert_eq!(front(&points), [1, 3, 0]);
     }
 

@@ -1,4 +1,4 @@
-//! The way of the peer: estimates of Mitsuba's differentiable path tracer, iteration by iteration, as
+//! The trajectory of the peer: estimates of Mitsuba's differentiable path tracer, iteration by iteration, as
 //! `scripts/peer_mitsuba.py` writes them.
 
 use super::dataset::Dataset;
@@ -49,11 +49,7 @@ pub fn read_trajectory(path: &Path, set: &Dataset) -> Result<Vec<Step>> {
         for (i, quantity) in Quantity::MEDIUM.into_iter().enumerate() {
             error = error.max(relative_error(quantity, number(2 + i)?, &set.truth[0], set.z).abs());
         }
-        steps.push(Step {
-            seconds: number(0)?,
-            cpu_seconds: number(1)?,
-            error,
-        });
+        steps.push(Step { seconds: number(0)?, cpu_seconds: number(1)?, error });
     }
     Ok(steps)
 }

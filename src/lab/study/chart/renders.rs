@@ -12,10 +12,10 @@ use crate::trace::{Estimate, ImageConfig, trace_image};
 /// Seed of the traced images.
 const SEED: u64 = 7;
 
-/// How an image comes about.
+/// How an image is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Way {
-    /// A spread model by a filter.
+    /// By a spread model and a filter.
     Filter {
         /// The spread model.
         model: Model,
@@ -24,14 +24,14 @@ pub enum Way {
         /// Index of the backend.
         backend: usize,
     },
-    /// So many paths a pixel.
+    /// By tracing.
     Trace {
-        /// Paths a pixel.
+        /// Paths per pixel.
         samples: u32,
     },
 }
 
-/// One way and what came of it.
+/// One way to render, and its result.
 #[derive(Debug, Clone)]
 pub struct RenderTrial {
     /// How it was rendered.
@@ -49,7 +49,7 @@ pub struct Rendered {
     pub preparation: Option<Timing>,
     /// Time of a render, all channels, once that is done.
     pub render: Timing,
-    /// Its error, relative to the root mean square of the light, the noise of the truth taken off.
+    /// Its error, relative to the root mean square of the light, the noise of the truth subtracted.
     pub error: Estimate,
 }
 
@@ -163,7 +163,7 @@ mod tests {
         let right = error(&set, Model::WideAngle, Filter::Eq29);
         assert!(right.value < 3.0 * set.floor() + 0.002, "{right:?}, floor {}", set.floor());
         assert!(error(&set, Model::SmallAngle, Filter::Eq29).value > 0.02);
-        // Nearly half of the light is direct: 10 % more scattering takes more than a hundredth off the image.
+        // Nearly half of the light is direct: 10 % more scattering darkens the image by more than a hundredth.
         let truth = set.truth[0];
         set.truth[0] = Medium::new(1.1 * truth.sigma_s(), truth.sigma_a(), *truth.phase()).unwrap();
         let wrong = error(&set, Model::WideAngle, Filter::Eq29);
@@ -187,7 +187,7 @@ mod tests {
         let effort = Effort { runs: 1, patience: 0.0, samples: Vec::new() };
         let error = |samples| set.error_of(&set.trace(samples, &effort).unwrap().images).error.value;
         let ratio = error(8) / error(128);
-        // 4096 pixels scatter by 1/sqrt(2 x 4096) = 1.1 % each if they are normal; they are skewed, hence the room.
+        // The rms of 4096 normal pixels has a relative error of 1/sqrt(2 x 4096) = 1.1 %; these are skewed, hence the margin.
         assert!((ratio / 4.0 - 1.0).abs() < 0.1, "{ratio}");
     }
 

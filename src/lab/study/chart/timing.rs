@@ -1,19 +1,19 @@
 //! How long something takes: the median of several runs, by the wall clock, and summed over all cores, which does not count
-//! what else the machine is busy with.
+//! other work of the machine.
 
 use crate::error::Result;
 use crate::geometry::median;
 use cpu_time::ProcessTime;
 use std::time::Instant;
 
-/// How much work a study may be.
+/// The effort of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Effort {
     /// Runs of which the median is taken, at most.
     pub runs: usize,
     /// Seconds after which no further run begins.
     pub patience: f64,
-    /// Paths a pixel of the traced images.
+    /// Paths per pixel of the traced images.
     pub samples: Vec<u32>,
 }
 
@@ -28,7 +28,7 @@ impl Effort {
         Self { runs: 3, patience: 0.02, samples: vec![4, 16] }
     }
 
-    /// What the first `run` gives, and how long it takes.
+    /// The result of the first `run`, and how long a run takes.
     ///
     /// # Errors
     /// Those of `run`.
@@ -52,14 +52,14 @@ impl Effort {
     }
 }
 
-/// A time and what it rests on.
+/// A time, and how it was measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Timing {
     /// The median by the wall clock, seconds.
     pub seconds: f64,
-    /// The median of what all cores together gave to the program, seconds.
+    /// The median of the time summed over all cores, seconds.
     pub cpu_seconds: f64,
-    /// Of so many runs.
+    /// Number of runs.
     pub runs: usize,
 }
 

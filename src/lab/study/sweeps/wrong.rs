@@ -1,10 +1,11 @@
-//! Sweeps along which the scene is not what the fit is told: depths, gains, phase functions, media, pixels.
+//! Sweeps along which the scene file is wrong: depths, gains, phase functions, media, pixels.
 
-use super::{SWEPT, Sweeps, fits};
+use super::{SWEPT, Sweeps};
 use crate::error::Result;
 use crate::forward::Quantity;
 use crate::geometry::Geometry;
 use crate::image::Image;
+use crate::lab::study::grid::fits;
 use crate::lab::study::setting::Setting;
 use crate::lab::study::trial::{Place, Trial};
 use crate::medium::Medium;
@@ -20,30 +21,18 @@ impl Sweeps<'_> {
             let Setting { side, pixel_pitch, z, .. } = self.base;
             scene.scene.geometry = Geometry::planar(side, side, pixel_pitch, z * (1.0 + error))?;
             scene.scene.depth_error = error;
-            trials.extend(fits(
-                &Place::at("depth error", error),
-                &self.base,
-                &scene,
-                &SWEPT,
-                &Quantity::MEDIUM,
-            ));
+            trials.extend(self.fits("depth error", error, &scene));
 
             let mut brighter = clean.clone();
             brighter.data.iter_mut().for_each(|v| *v *= 1.0 + error as f32);
             let mut scene = self.noisy(&self.base, &brighter)?;
             scene.observation.gain_error = error;
-            trials.extend(fits(
-                &Place::at("gain error", error),
-                &self.base,
-                &scene,
-                &SWEPT,
-                &Quantity::MEDIUM,
-            ));
+            trials.extend(self.fits("gain error", error, &scene));
         }
         Ok(trials)
     }
 
-    /// Henyey-Greenstein's phase functions: B means nothing for them.
+    /// Henyey-Greenstein phase functions, for which B has no meaning.
     pub(super) fn phase_functions(&self) -> Result<Vec<Trial>> {
         let mut trials = Vec::new();
         for g in [0.99, 0.95, 0.9, 0.8] {
@@ -80,18 +69,12 @@ impl Sweeps<'_> {
                 (1.0 - t) * renders[k].at(x, y) + t * renders[(k + 1).min(SHARES - 1)].at(x, y)
             });
             let scene = self.noisy(&self.base, &image)?;
-            trials.extend(fits(
-                &Place::at("varying sigma_s", change),
-                &self.base,
-                &scene,
-                &SWEPT,
-                &Quantity::MEDIUM,
-            ));
+            trials.extend(self.fits("varying sigma_s", change, &scene));
         }
         Ok(trials)
     }
 
-    /// The brightest pixels cut off.
+    /// The brightest pixels clipped.
     pub(super) fn saturated(&self, clean: &Image) -> Result<Vec<Trial>> {
         let mut trials = Vec::new();
         for share in [0.01, 0.05, 0.2, 0.5] {
@@ -101,13 +84,7 @@ impl Sweeps<'_> {
             sorted.sort_by(f32::total_cmp);
             let top = sorted[((1.0 - share) * (sorted.len() - 1) as f64) as usize];
             image.data.iter_mut().for_each(|v| *v = v.min(top));
-            trials.extend(fits(
-                &Place::at("saturated share", share),
-                &self.base,
-                &scene,
-                &SWEPT,
-                &Quantity::MEDIUM,
-            ));
+            trials.extend(self.fits("saturated share", share, &scene));
         }
         Ok(trials)
     }

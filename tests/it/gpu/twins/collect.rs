@@ -1,6 +1,7 @@
 //! Twin of shaders/collect.wgsl.
 
-use super::{C, direct};
+use super::C;
+use super::arriving::arriving;
 use narrowbeam::filter::gpu::{Collect, Source};
 
 pub fn collect(
@@ -17,20 +18,8 @@ pub fn collect(
         let x = collect.view[0] + at % view_width;
         let y = collect.view[1] + at / view_width;
         let on_canvas = ((y + canvas.margin[1]) * canvas.size[0] + x + canvas.margin[0]) as usize;
-        let mut sum = [pairs[0][on_canvas].re, pairs[0][on_canvas].im, 0.0, 0.0];
-        if collect.derivatives == 1 {
-            sum[2..].copy_from_slice(&[pairs[1][on_canvas].re, pairs[1][on_canvas].im]);
-        }
-        let place = collect.before as usize * pixels + at as usize;
-        let weight = weights[place.min(weights.len() - 1)];
-        sum.iter_mut().for_each(|v| *v *= weight);
-        for sheet in 0..canvas.sheets {
-            let source = &sources[((sheet * canvas.object[1] + y) * canvas.object[0] + x) as usize];
-            if collect.direct == 1 && source.segment == 0 {
-                let light = direct(source.light, collect.sigma_t, source.z / source.cosine, collect.unit);
-                sum.iter_mut().zip(light).for_each(|(s, l)| *s += l);
-            }
-        }
+        let pixel = (y * canvas.object[0] + x) as i32;
+        let sum = arriving(collect, sources, weights, pairs, (on_canvas, at as usize, pixel));
         let count = if collect.derivatives == 1 { 4 } else { 1 };
         for c in 0..count {
             let plane = &mut planes[c * pixels + at as usize];

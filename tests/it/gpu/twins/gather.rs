@@ -104,7 +104,7 @@ impl Input<'_> {
         let down = self.axes[3 * entry];
         let w = (across[0] * across[0] + down[0] * down[0]).sqrt();
         let weight = across[1] * down[1];
-        let scale = if gather.gated == 1 {
+        let scale = if gather.occluded == 1 {
             self.radial(gather.scale, gather.scale_per_w, w)
         } else {
             [1.0, 0.0, 0.0, 0.0]
@@ -128,11 +128,14 @@ impl Input<'_> {
                     let light = self.spectra[first + rows[side]];
                     sums[side] = sum(sums[side], lit(light, scattered));
                     if gather.sloping == 1 {
-                        let factor = scaled(self.radial(record.bend, record.bend_per_w, w), weight);
+                        let factor = scaled(
+                            self.radial(record.slope_correction, record.slope_correction_per_w, w),
+                            weight,
+                        );
                         let source = self.spectra[first + slices * height + rows[side]];
                         sums[side] = sum(sums[side], lit(source, factor));
                     }
-                    if gather.gated == 1 {
+                    if gather.occluded == 1 {
                         directs[side] = sum(directs[side], lit(light, record.direct));
                     }
                 }

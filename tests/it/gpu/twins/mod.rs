@@ -3,11 +3,15 @@
 
 #![allow(clippy::needless_range_loop, reason = "a twin reads like its shader")]
 
-pub mod bend;
+pub mod arrive;
+pub mod arriving;
 pub mod canvas;
 pub mod collect;
+pub mod crop;
 pub mod gather;
 pub mod pass;
+pub mod shift;
+pub mod slope_correction;
 pub mod split;
 pub mod store;
 pub mod sums;
@@ -28,6 +32,10 @@ pub fn first_of(z: C, opposite: C) -> C {
 pub fn second_of(z: C, opposite: C) -> C {
     let twice = z - opposite.conj();
     0.5 * C::new(twice.im, -twice.re)
+}
+
+pub fn multiply(a: C, b: C) -> C {
+    C::new(a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re)
 }
 
 pub fn together(a: C, b: C) -> C {

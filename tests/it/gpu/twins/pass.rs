@@ -19,9 +19,9 @@ pub fn pass(pass: &Pass, sources: &[Source], opaque: &[u32], pairs: &mut [Vec<C>
                 sum[2..].copy_from_slice(&[pairs[1][at].re, pairs[1][at].im]);
             }
         }
-        for sheet in 0..canvas.sheets {
-            let source = &sources[(sheet * canvas.object[0] * canvas.object[1]) as usize + pixel as usize];
-            if open && source.segment == pass.segment {
+        for layer in 0..canvas.layers {
+            let source = &sources[(layer * canvas.object[0] * canvas.object[1]) as usize + pixel as usize];
+            if open && source.slab == pass.slab {
                 let way = (source.z - pass.z) / source.cosine;
                 let light = direct(source.light, pass.sigma_t, way, pass.unit);
                 sum.iter_mut().zip(light).for_each(|(s, l)| *s += l);

@@ -43,12 +43,12 @@ pub fn weigh(weigh: &Weigh, sources: &[Source], nodes: &[f32]) -> Vec<C> {
         let place = position(canvas, at);
         let pixel = object_pixel(canvas, place);
         let mut sum = C::default();
-        for sheet in 0..canvas.sheets as usize {
+        for layer in 0..canvas.layers as usize {
             if pixel < 0 {
                 break;
             }
-            let source = &sources[sheet * object[0] * object[1] + pixel as usize];
-            if source.segment != weigh.segment || source.light == 0.0 {
+            let source = &sources[layer * object[0] * object[1] + pixel as usize];
+            if source.slab != weigh.slab || source.light == 0.0 {
                 continue;
             }
             if weigh.sloping == 1 {

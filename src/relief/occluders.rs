@@ -1,25 +1,25 @@
-//! Which depths serve as screens.
+//! The depths of the occluders.
 //!
-//! Every edge between a near pixel at d and a far one at d' asks for a screen just behind d: there the light of the
-//! far one is stopped. One farther back still serves, with an error that grows with the way: in the first half of the
-//! gap, and no farther behind the near pixel than a quarter of its own path length. So the edges are intervals, to be
-//! pierced by as few depths as possible; each screen lies at the farthest of the near pixels whose edges it serves,
-//! and behind their noise. Edges count by their gap, and screens that serve next to nothing are left out: a screen farther
-//! back in the gap serves their edges too.
+//! Every edge between a near pixel at d and a far one at d' needs an occluder just behind d, which blocks the light of
+//! the far pixel. An occluder farther back still serves, with an error that grows with the distance: it may lie in the
+//! first half of the gap, and no farther behind the near pixel than a quarter of that pixel's path length. So the edges
+//! are intervals, to be pierced by as few depths as possible. Each occluder lies at the farthest of the near pixels
+//! whose edges it serves, and behind their noise. Edges are weighted by their gap. Occluders that serve very little are
+//! left out: one farther back in the gap serves their edges too.
 
 use super::map::DepthMap;
 
-/// Screens at most: each costs a round trip through image space.
-const MOST_SCREENS: usize = 6;
-/// Share of the gap behind a near pixel in which its screen may lie, and share of the near pixel's path length.
+/// Largest number of occluders: each costs a transform to image space and back.
+const MOST_OCCLUDERS: usize = 6;
+/// Share of the gap behind a near pixel in which its occluder may lie, and share of the near pixel's path length.
 const SHARE: f64 = 0.5;
 const NEARBY: f64 = 0.25;
 /// Gaps of less than this share of the path length behind them are left to eq. 29.
 const LEAST_GAP: f64 = 0.05;
-/// Share of all gaps that screens must serve.
+/// Share of all gaps that occluders must serve.
 const SERVED: f64 = 0.99;
 
-/// Where a screen may stand that serves an edge, and the gap that it covers.
+/// The depths at which an occluder serves an edge, and the gap of that edge.
 #[derive(Debug, Clone, Copy)]
 struct Edge {
     near: f64,
@@ -35,12 +35,12 @@ struct Piercing {
     gaps: f64,
 }
 
-/// Depths of the screens, increasing.
+/// Depths of the occluders, increasing.
 pub(super) fn depths(maps: &[DepthMap]) -> Vec<f64> {
     let farthest = farthest(maps);
     let mut all: Vec<Edge> = Vec::new();
     for (layer, map) in maps.iter().enumerate() {
-        // Where a further layer ends it may go on as the object itself.
+        // Where a further layer ends, the object itself may continue it.
         all.extend(
             edges(map, farthest).filter(|&(far, _)| layer == 0 || far.is_finite()).map(|(_, edge)| edge),
         );
@@ -51,7 +51,7 @@ pub(super) fn depths(maps: &[DepthMap]) -> Vec<f64> {
     let gaps: f64 = depths.iter().map(|d| d.gaps).sum();
     depths.sort_by(|a, b| b.gaps.total_cmp(&a.gaps));
     let mut served = 0.0;
-    depths.truncate(MOST_SCREENS);
+    depths.truncate(MOST_OCCLUDERS);
     depths.retain(|depth| {
         let needed = served < SERVED * gaps;
         served += depth.gaps;
@@ -66,7 +66,7 @@ fn farthest(maps: &[DepthMap]) -> f64 {
     there.fold(0.0, f64::max)
 }
 
-/// Every edge that matters, with its far depth; an edge to nothing may still cover other objects.
+/// Every edge that matters, with its far depth. An edge to empty pixels may still cover other objects.
 fn edges<'a>(map: &'a DepthMap, farthest: f64) -> impl Iterator<Item = (f64, Edge)> + 'a {
     let pairs = (0..map.depth.len()).flat_map(|i| {
         [map.neighbours(i)[1], map.neighbours(i)[3]].into_iter().flatten().map(move |j| (i, j))

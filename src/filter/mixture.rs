@@ -1,4 +1,4 @@
-//! A ladder of Gaussians that stands for any kernel.
+//! Any kernel as a mixture of Gaussians of fixed widths.
 //!
 //! Every kernel here is a mixture of Gaussians, or nearly so. With *fixed* widths sigma_j, in px, its scattered transfer
 //! function is s(k) = sum_j a_j exp(-(sigma_j w)²/2), w = k·pitch, and all that depends on the medium are the numbers a_j.
@@ -6,7 +6,7 @@
 //! derivatives. An image through the medium is then linear in a few images that do not depend on it: the object
 //! blurred by each Gaussian.
 //!
-//! How dense the ladder must be follows from the kernels' bandwidth in ln w: the Mellin transform of a Gaussian falls
+//! How dense the widths must lie follows from the kernels' bandwidth in ln w: the Mellin transform of a Gaussian falls
 //! like exp(-pi omega/4), and widths that grow by the ratio q resolve omega up to pi/ln q.
 
 use crate::spread::Dual;
@@ -29,7 +29,7 @@ const MEAN_WEIGHT: f64 = 4.0;
 const LEAST_SINGULAR: f64 = 1e-5;
 
 /// Widths, and the map from a transfer function to their weights.
-pub struct Ladder {
+pub struct GaussianMixture {
     widths: Vec<f64>,
     /// Frequencies at which a kernel is looked at, rad/px.
     grid: Vec<f64>,
@@ -44,8 +44,8 @@ fn importance(w: f64) -> f64 {
     if w == 0.0 { MEAN_WEIGHT } else { (PI / w).min(1.0) }
 }
 
-impl Ladder {
-    /// The ladder up to the width `widest` px.
+impl GaussianMixture {
+    /// The mixture up to the width `widest` px.
     pub fn new(widest: f64) -> Self {
         let wide = (0..).map(|i| NARROW * RATIO.powi(i)).take_while(|&s| s < widest * RATIO);
         let mut widths = vec![0.0, 0.5 * NARROW];

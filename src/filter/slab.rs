@@ -1,32 +1,32 @@
-//! What lies between two screens: its slices, and the light that it sends on towards the camera.
+//! What lies between two occluders: its slices, and the light that it sends on towards the camera.
 
 use super::Optics;
-use super::bend::bend;
 use super::canvas::{Canvas, Place, Spectrum};
 use super::obliquity::Obliquity;
 use super::plan::Plan;
 use super::slices::{Node, Slices};
-use super::sources::{Sheet, Source};
+use super::slope_correction::slope_correction;
+use super::sources::{Layer, Source};
 use super::transfer::{Frequency, Wave, Way, over, times};
 use crate::error::Result;
 use crate::medium::Medium;
-use crate::relief::Screen;
+use crate::relief::Occluder;
 use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 
-/// Sources between two screens.
-pub(super) struct Segment {
+/// Sources between two occluders.
+pub(super) struct Slab {
     pub slices: Option<Slices>,
     /// The object weighted for each slice, transformed.
     light: Vec<Spectrum>,
     /// The source of its slope term, likewise; none at all if nothing slopes.
-    bend: Vec<Spectrum>,
+    slope_correction: Vec<Spectrum>,
     /// Length of a pixel per unit of depth; 0 for parallel rays.
     divergence: f64,
-    /// For each row of the canvas the pixels whose direct light the screen lets pass.
+    /// For each row of the canvas the pixels whose direct light the occluder lets pass.
     direct: Vec<Vec<Direct>>,
     /// What its light must pass.
-    pub screen: Option<Gate>,
+    pub occluder: Option<VisibilityMask>,
 }
 
 /// Direct light of a pixel of a row of the canvas.
@@ -38,39 +38,39 @@ struct Direct {
     light: f32,
 }
 
-/// A screen on the canvas.
-pub(super) struct Gate {
+/// An occluder on the canvas.
+pub(super) struct VisibilityMask {
     pub node: Node,
-    /// 0 where the screen is opaque, 1 elsewhere.
+    /// 0 where the occluder is opaque, 1 elsewhere.
     open: Vec<f32>,
 }
 
-/// Light at a screen, on its way to the camera: spectra of the image and its derivatives.
+/// Light at an occluder, on its way to the camera: spectra of the image and its derivatives.
 pub(super) struct Carried {
     node: Node,
     spectra: Vec<Spectrum>,
 }
 
-impl Segment {
-    /// The part of `sheets` that must pass `passed` screens.
+impl Slab {
+    /// The part of `layers` that must pass `passed` occluders.
     pub(super) fn new(
         (plan, canvas): (&Plan, &Canvas),
-        sheets: &[Sheet],
+        layers: &[Layer],
         passed: usize,
         slices: Option<Slices>,
     ) -> Self {
-        let screen = plan.screen(passed);
+        let occluder = plan.occluder(passed);
         let mine =
-            |of: usize| sheets.iter().filter_map(move |sheet| sheet[of].filter(|s| s.screens == passed));
-        let mut segment = Self {
+            |of: usize| layers.iter().filter_map(move |layer| layer[of].filter(|s| s.occluders == passed));
+        let mut slab = Self {
             light: Vec::new(),
-            bend: Vec::new(),
+            slope_correction: Vec::new(),
             divergence: plan.target.geometry.pitch_per_depth(),
             direct: Vec::new(),
-            screen: screen.map(|screen| Gate::new(plan, canvas, screen)),
+            occluder: occluder.map(|occluder| VisibilityMask::new(plan, canvas, occluder)),
             slices,
         };
-        let Some(slices) = &segment.slices else { return segment };
+        let Some(slices) = &slab.slices else { return slab };
         let count = slices.nodes.len();
         let weighted = |value: &(dyn Fn(&Source, [f32; 2]) -> f32 + Sync)| -> Vec<Vec<f32>> {
             let mut planes = vec![vec![0.0; canvas.pixels()]; count];
@@ -96,15 +96,15 @@ impl Segment {
             planes
         };
         let light = weighted(&|s, _| s.light);
-        segment.light = light.into_iter().map(|plane| canvas.fft.forward(plane)).collect();
-        let sloping = sheets.iter().flatten().flatten().any(|s| s.screens == passed && s.slope != [0.0; 2]);
+        slab.light = light.into_iter().map(|plane| canvas.fft.forward(plane)).collect();
+        let sloping = layers.iter().flatten().flatten().any(|s| s.occluders == passed && s.slope != [0.0; 2]);
         if sloping {
             let along = |axis: usize| weighted(&move |s, turn| turn[axis] * s.slope[axis] * s.light);
             let fields = along(0).into_iter().zip(along(1));
-            segment.bend = fields.map(|(x, y)| bend(canvas, [x, y])).collect();
+            slab.slope_correction = fields.map(|(x, y)| slope_correction(canvas, [x, y])).collect();
         }
         let direct = |j: usize| -> Vec<Direct> {
-            let open = canvas.row(j).filter(|place| screen.is_none_or(|s| !s.opaque[place.of]));
+            let open = canvas.row(j).filter(|place| occluder.is_none_or(|s| !s.opaque[place.of]));
             let light = |place: Place| {
                 mine(place.of).map(move |s| Direct {
                     x: place.x,
@@ -115,11 +115,11 @@ impl Segment {
             };
             open.flat_map(light).collect()
         };
-        segment.direct = (0..canvas.fft.height).into_par_iter().map(direct).collect();
-        segment
+        slab.direct = (0..canvas.fft.height).into_par_iter().map(direct).collect();
+        slab
     }
 
-    /// Adds the direct light of this segment, as it is at the path length `from` along the axis, and its derivatives
+    /// Adds the direct light of this slab, as it is at the path length `from` along the axis, and its derivatives
     /// to `planes`.
     pub(super) fn add_direct(&self, canvas: &Canvas, medium: &Medium, from: f64, planes: &mut [Vec<f32>]) {
         canvas.rows(planes).zip(&self.direct).for_each(|(mut row, direct)| {
@@ -138,8 +138,8 @@ impl Segment {
         });
     }
 
-    /// Light scattered on its way to this segment's screen, or to the camera: that of the segment itself, and what is
-    /// `carried` to it from farther screens. Spectra of the `components` of image and derivatives.
+    /// Light scattered on its way to this slab's occluder, or to the camera: that of the slab itself, and what is
+    /// `carried` to it from farther occluders. Spectra of the `components` of image and derivatives.
     pub(super) fn gather(
         &self,
         canvas: &Canvas,
@@ -147,12 +147,12 @@ impl Segment {
         carried: Option<&Carried>,
         components: &[usize],
     ) -> Result<Vec<Spectrum>> {
-        let sloping = !self.bend.is_empty();
+        let sloping = !self.slope_correction.is_empty();
         let Way { transfers, farther, divisor } = Way::new(
             self.slices.as_ref().map_or(&[][..], |s| &s.nodes),
             sloping.then_some(self.divergence),
             carried.map(|c| c.node),
-            self.screen.as_ref().map(|gate| gate.node),
+            self.occluder.as_ref().map(|mask| mask.node),
             (optics, obliquity),
         )?;
 
@@ -184,12 +184,12 @@ impl Segment {
                 let mut direct = [Wave::default(); 2];
                 for (i, (transfer, line)) in transfers.iter().zip(&lines).enumerate() {
                     let scattered = transfer.scattered(line, &at);
-                    let bend = if sloping { transfer.bend(&at) } else { [0.0; 4] };
+                    let slope_correction = if sloping { transfer.slope_correction(&at) } else { [0.0; 4] };
                     for (j, place) in places.clone().enumerate() {
                         let light = self.light[i][place];
                         add(&mut sum[j], light, &scattered);
                         if sloping {
-                            add(&mut sum[j], self.bend[i][place], &bend);
+                            add(&mut sum[j], self.slope_correction[i][place], &slope_correction);
                         }
                         if divisor.is_some() {
                             add(&mut direct[j], light, &transfer.direct);
@@ -218,38 +218,38 @@ impl Segment {
         Ok(sums)
     }
 
-    /// Takes the light at the segment's screen through it; `fields` are image and derivatives there, without the
+    /// Takes the light at the slab's occluder through it; `fields` are image and derivatives there, without the
     /// direct light.
     pub(super) fn pass(
         &self,
-        gate: &Gate,
+        mask: &VisibilityMask,
         canvas: &Canvas,
         medium: &Medium,
         mut fields: Vec<Vec<f32>>,
     ) -> Carried {
-        self.add_direct(canvas, medium, gate.node.z, &mut fields);
+        self.add_direct(canvas, medium, mask.node.z, &mut fields);
         let masked = fields.into_iter().map(|mut field| {
-            gate.stop(&mut field);
+            mask.apply(&mut field);
             canvas.fft.forward(field)
         });
-        Carried { node: gate.node, spectra: masked.collect() }
+        Carried { node: mask.node, spectra: masked.collect() }
     }
 }
 
-impl Gate {
-    fn new(plan: &Plan, canvas: &Canvas, screen: &Screen) -> Self {
+impl VisibilityMask {
+    fn new(plan: &Plan, canvas: &Canvas, occluder: &Occluder) -> Self {
         let mut open = [vec![1.0; canvas.pixels()]];
         canvas.rows(&mut open).enumerate().for_each(|(j, mut row)| {
-            for place in canvas.row(j).filter(|place| screen.opaque[place.of]) {
+            for place in canvas.row(j).filter(|place| occluder.opaque[place.of]) {
                 row[0][place.x] = 0.0;
             }
         });
         let [open] = open;
-        Self { node: plan.node(screen), open }
+        Self { node: plan.node(occluder), open }
     }
 
-    /// Takes away what meets the screen.
-    pub(super) fn stop(&self, field: &mut [f32]) {
+    /// Takes away what meets the occluder.
+    pub(super) fn apply(&self, field: &mut [f32]) {
         field.iter_mut().zip(&self.open).for_each(|(v, open)| *v *= open);
     }
 }

@@ -1,23 +1,23 @@
-//! Peeling: from near to far, each screen takes away the surfaces that end before it.
+//! What the camera sees after each occluder, from near to far, has removed the surfaces that end in front of it.
 //!
-//! At a screen, a pixel whose surface lies before it is opaque if along that surface the way to an edge over the
-//! screen's depth is shorter than the way to where the surface itself crosses that depth. So an object that stands
-//! before others is opaque as a whole, while a plane that slopes through the screen is not. Behind an opaque pixel
-//! comes the next known layer there; behind the last one, what surrounds the opaque pixels is supposed to go on: the
-//! smoothest surface between them (a harmonic function), which continues a plane as a plane.
+//! A pixel whose surface lies in front of an occluder is opaque there if the surface reaches an edge across the
+//! occluder's depth before it crosses that depth itself. So an object that stands in front of others is opaque as a
+//! whole, while a plane that slopes through the occluder is not. Behind an opaque pixel lies the next known layer
+//! there. Behind the last one the depth is inpainted from the surroundings of the opaque pixels with the smoothest
+//! surface between them (a harmonic function), which continues a plane as a plane.
 
 use super::map::DepthMap;
 use crate::geometry::Field;
 use crate::image::Image;
 use std::collections::VecDeque;
 
-/// Successive over-relaxation of what is supposed: its factor, the relative change of a depth below which it ends,
-/// and its sweeps at most. It need not converge: it only has to join on to its surroundings.
+/// Successive over-relaxation of the inpainted depths: its factor, the relative change of a depth below which it ends,
+/// and the largest number of sweeps. It need not converge: the result only has to be continuous with its surroundings.
 const OVER_RELAXATION: f64 = 1.9;
 const RELAXED: f64 = 1e-5;
 const MOST_SWEEPS: usize = 200;
 
-/// What is seen from the camera after some surfaces have been taken away.
+/// What is seen from the camera after some surfaces have been removed.
 pub(super) struct Front<'a> {
     maps: &'a [DepthMap<'a>],
     depth: Vec<f64>,
@@ -44,74 +44,75 @@ impl<'a> Front<'a> {
         self.layer[i] = layer.unwrap_or(self.maps.len());
     }
 
-    /// Takes away what covers something beyond `screen`: the opaque pixels, and the distance of what is supposed, but
-    /// not known, to be behind them.
-    pub(super) fn peel(&mut self, screen: f64) -> (Vec<bool>, Field) {
-        let across = self.across(screen);
+    /// Removes the surfaces that cover something beyond the depth `occluder`. Returns which pixels are opaque, and the
+    /// inpainted distance behind those where no layer is known.
+    pub(super) fn remove_before(&mut self, occluder: f64) -> (Vec<bool>, Field) {
+        let across = self.across(occluder);
         let opaque: Vec<bool> = across.iter().map(Option::is_some).collect();
-        let supposed = self.supposed(across);
+        let inpainted = self.inpaint(across);
         let geometry = self.maps[0].geometry;
         let mut hidden = Image::filled(geometry.width, geometry.height, 0.0);
         for i in (0..opaque.len()).filter(|&i| opaque[i]) {
             let unknown = self.layer[i] + 1 >= self.maps.len();
-            self.show(i, self.layer[i] + 1, screen);
+            self.show(i, self.layer[i] + 1, occluder);
             if self.depth[i].is_infinite() {
-                self.depth[i] = supposed[i];
+                self.depth[i] = inpainted[i];
             }
-            if unknown && supposed[i] > screen && supposed[i].is_finite() {
+            if unknown && inpainted[i] > occluder && inpainted[i].is_finite() {
                 let (x, y) = (i % geometry.width, i / geometry.width);
-                hidden.data[i] = (supposed[i] / geometry.cos_off_axis(x, y)) as f32;
+                hidden.data[i] = (inpainted[i] / geometry.cos_off_axis(x, y)) as f32;
             }
         }
         (opaque, Field::Map(hidden))
     }
 
-    /// What may lie behind opaque pixels: `across` for a start, relaxed towards the mean of the neighbours. Neighbours
-    /// that stand before them say nothing of what is behind.
-    fn supposed(&self, across: Vec<Option<f64>>) -> Vec<f64> {
+    /// The depths that may lie behind opaque pixels: `across` at first, relaxed towards the mean of the neighbours.
+    /// Neighbours in front of them do not count: they say nothing about what is behind.
+    fn inpaint(&self, across: Vec<Option<f64>>) -> Vec<f64> {
         let (map, depth) = (&self.maps[0], &self.depth);
-        let mut supposed: Vec<f64> = across.iter().zip(depth).map(|(a, d)| a.unwrap_or(*d)).collect();
+        let mut inpainted: Vec<f64> = across.iter().zip(depth).map(|(a, d)| a.unwrap_or(*d)).collect();
         let opaque: Vec<usize> = (0..across.len()).filter(|&i| across[i].is_some()).collect();
-        let says = |i: usize, j: usize| {
+        let counts = |i: usize, j: usize| {
             across[j].is_some() || depth[j] > depth[i] || !map.is_edge(depth[i], depth[j])
         };
         let around: Vec<Vec<usize>> = opaque
             .iter()
-            .map(|&i| map.neighbours(i).into_iter().flatten().filter(|&j| says(i, j)).collect())
+            .map(|&i| map.neighbours(i).into_iter().flatten().filter(|&j| counts(i, j)).collect())
             .collect();
         for sweep in 0..MOST_SWEEPS {
             let mut change: f64 = 0.0;
             for n in 0..opaque.len() {
-                // There and back, so that what is known at one end soon arrives at the other.
+                // Alternate directions, so that depths known at one end soon reach the other.
                 let n = if sweep % 2 == 0 { n } else { opaque.len() - 1 - n };
                 let (i, around) = (opaque[n], &around[n]);
-                let known = || around.iter().map(|&j| supposed[j]).filter(|d| d.is_finite());
+                let known = || around.iter().map(|&j| inpainted[j]).filter(|d| d.is_finite());
                 let count = known().count();
-                if count == 0 || supposed[i].is_infinite() {
+                if count == 0 || inpainted[i].is_infinite() {
                     continue;
                 }
-                let step = known().sum::<f64>() / count as f64 - supposed[i];
-                supposed[i] += OVER_RELAXATION * step;
-                change = change.max(step.abs() / supposed[i]);
+                let step = known().sum::<f64>() / count as f64 - inpainted[i];
+                inpainted[i] += OVER_RELAXATION * step;
+                change = change.max(step.abs() / inpainted[i]);
             }
             if change < RELAXED {
                 break;
             }
         }
-        supposed
+        inpainted
     }
 
-    /// For each opaque pixel, the depth beyond `screen` across the edge that is nearest along its surface; infinite
+    /// For each opaque pixel, the depth beyond `occluder` across the edge that is nearest along its surface; infinite
     /// if nothing is there.
-    fn across(&self, screen: f64) -> Vec<Option<f64>> {
+    fn across(&self, occluder: f64) -> Vec<Option<f64>> {
         let (map, depth) = (&self.maps[0], &self.depth);
         let mut across = vec![None; depth.len()];
         let mut reached = vec![false; depth.len()];
         let mut queue = VecDeque::new();
-        for i in (0..depth.len()).filter(|&i| depth[i] <= screen) {
-            // What is only supposed to be there says nothing.
-            let known =
-                |&j: &usize| depth[j] > screen && (depth[j].is_infinite() || self.layer[j] < self.maps.len());
+        for i in (0..depth.len()).filter(|&i| depth[i] <= occluder) {
+            // Inpainted depths do not count.
+            let known = |&j: &usize| {
+                depth[j] > occluder && (depth[j].is_infinite() || self.layer[j] < self.maps.len())
+            };
             let mut beyond = map.neighbours(i).into_iter().flatten().filter(known);
             if let Some(first) = beyond.next() {
                 let joined = |j: usize| !map.is_edge(depth[i], depth[j]);
@@ -122,7 +123,7 @@ impl<'a> Front<'a> {
         }
         while let Some(i) = queue.pop_front() {
             for j in map.neighbours(i).into_iter().flatten() {
-                let open = !reached[j] && depth[j] <= screen;
+                let open = !reached[j] && depth[j] <= occluder;
                 if open && !map.is_edge(depth[i], depth[j]) {
                     reached[j] = true;
                     across[j] = across[i];

@@ -1,19 +1,19 @@
-//! Histories: what the likelihood of a traced path depends on, for the light that crosses a plane scattered.
+//! Path records: what the likelihood of a traced path depends on, for scattered light that crosses a plane.
 //!
 //! A pencil beam enters the half-space z > 0, as in [`trace_radial`](super::trace_radial); lengths are in units of the
-//! plane's depth, so that a medium is tau = sigma_s z, a = sigma_a z and its phase function. Four things keep every path at work:
+//! plane's depth, so that a medium is tau = sigma_s z, a = sigma_a z and its phase function. Four measures reduce the variance:
 //!
 //! - *The first scattering is drawn before the plane*, with density tau exp(-tau t)/(1 - exp(-tau)): no path is spent
 //!   on direct light. Its depths are stratified, one in each of as many equal shares as there are paths.
-//! - *So is the second*, if only light scattered more than once is asked for: the importance of a path is the chance that it
-//!   scatters again before it leaves, and it is copied in proportion to it. Where small-angle theory holds, all paths that
-//!   scatter so often arrive: their light then has no noise at all.
-//! - *Absorption of the excess length is played, not weighed.* A segment of length l and direction cosine mu exceeds
-//!   its depth l mu by l (1 - mu), so a path dies at the rate a (1 - mu), and arrives with the chance
-//!   E[exp(-a (L - 1))]: the weight exp(-a) is left, the same for all.
-//! - *Multilevel splitting* (Kahn and Harris 1951; Garvels 2000): those that reach the next of eight depths for the
-//!   first time are copied until they are as many again as set out, and each counts for the share that got there. The
-//!   product of the shares estimates without bias the light that arrives, even if it is exp(-20).
+//! - *So is the second*, if only light scattered more than once is wanted: the importance of a path is the probability that
+//!   it scatters again before it leaves, and it is copied in proportion. Where small-angle theory holds, all such paths
+//!   arrive, and their light has no noise.
+//! - *Absorption of the excess length is sampled, not weighted.* A segment of length l and direction cosine mu exceeds
+//!   its depth l mu by l (1 - mu), so a path dies at the rate a (1 - mu), and arrives with the probability
+//!   E[exp(-a (L - 1))]: the weight exp(-a) remains, the same for all.
+//! - *Multilevel splitting* (Kahn and Harris 1951; Garvels 2000): paths that reach the next of eight depths for the
+//!   first time are copied until there are as many as at the start, and each counts for the share that got there. The
+//!   product of the shares is an unbiased estimate of the light that arrives, even if it is exp(-20).
 //!
 //! Copies are drawn systematically (Kitagawa 1996): a path of m times the mean importance has m copies, rounded up or down, so
 //! drawing them adds no noise to the light, and little to where it falls.
@@ -31,10 +31,10 @@ const LEVELS: u64 = 8;
 
 /// One scattered path at its first crossing of the plane, lengths in units of the plane's depth.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct History<M> {
+pub struct PathRecord<M> {
     /// Number of scatterings n, at least 1.
     pub scatterings: u32,
-    /// What it remembers of its deflections.
+    /// What is recorded of its deflections.
     pub memory: M,
     /// Path length L.
     pub length: f32,
@@ -44,15 +44,15 @@ pub struct History<M> {
     pub slope: f32,
 }
 
-/// A sample of histories, all of one weight.
+/// A sample of paths, all of one weight.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Histories<P: Likelihood> {
+pub struct PathRecords<P: Likelihood> {
     /// The medium they were traced in, lengths in units of the plane's depth.
     pub medium: Medium<P>,
-    /// Light that each stands for, as a share of what set out.
+    /// Light that each path represents, as a share of the light emitted.
     pub weight: f64,
     /// The paths that arrived.
-    pub paths: Vec<History<P::Memory>>,
+    pub paths: Vec<PathRecord<P::Memory>>,
 }
 
 /// A path between two levels.
@@ -74,17 +74,17 @@ pub enum Scattered {
     Twice,
 }
 
-/// Traces `paths` paths that are `scattered` so often in `medium`; the same for any number of threads.
+/// Traces `paths` paths in `medium` that are `scattered` so often. The result does not depend on the number of threads.
 ///
 /// # Errors
 /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless sigma_s z is finite and above 0, sigma_a z finite and at least 0, and
 /// `paths` between 1 and 2^32.
-pub fn trace_histories<P: Likelihood>(
+pub fn trace_paths<P: Likelihood>(
     medium: Medium<P>,
     scattered: Scattered,
     paths: u64,
     seed: u64,
-) -> Result<Histories<P>> {
+) -> Result<PathRecords<P>> {
     let (tau, absorption, phase) = (medium.sigma_s(), medium.sigma_a(), *medium.phase());
     in_range("sigma_s z", tau, tau.is_finite() && tau > 0.0, "finite and above 0")?;
     in_range("sigma_a z", absorption, absorption.is_finite() && absorption >= 0.0, "finite and at least 0")?;
@@ -127,11 +127,11 @@ pub fn trace_histories<P: Likelihood>(
             break;
         }
     }
-    Ok(Histories { medium, weight, paths: walkers.iter().map(Walker::history).collect() })
+    Ok(PathRecords { medium, weight, paths: walkers.iter().map(Walker::record).collect() })
 }
 
-/// Whose copies `paths` paths are if every walker has as many as its importance, relative to the mean, rounded up or down as
-/// `offset`, between 0 and 1, has it.
+/// For each of `paths` copies, the index of the walker that it is a copy of. A walker has as many copies as its importance
+/// relative to the mean, rounded up or down according to `offset`, between 0 and 1.
 fn systematic(importance: &[f64], paths: u64, offset: f64) -> Vec<usize> {
     let step = importance.iter().sum::<f64>() / paths as f64;
     let (mut from, mut up_to) = (0, importance[0]);
@@ -145,7 +145,7 @@ fn systematic(importance: &[f64], paths: u64, offset: f64) -> Vec<usize> {
     (0..paths).map(copy).collect()
 }
 
-/// The medium as paths need it.
+/// The medium in the precision of the paths.
 struct Walk<P, R> {
     tau: f32,
     absorption: f32,
@@ -154,7 +154,7 @@ struct Walk<P, R> {
 }
 
 impl<P: Likelihood, R: Fn(f32, &mut P::Memory)> Walk<P, R> {
-    /// A path just after its first scattering, at the depth that the `share` of all scatter before.
+    /// A path just after its first scattering, at the depth before which the `share` of all paths scatter.
     fn first_scattering(&self, share: f64, stream: &mut Stream) -> Walker<P::Memory> {
         // The inverse of (1 - exp(-tau t))/(1 - exp(-tau)).
         let scattered = share * (-f64::from(self.tau)).exp_m1();
@@ -171,7 +171,7 @@ impl<P: Likelihood, R: Fn(f32, &mut P::Memory)> Walk<P, R> {
         self.absorption * (1.0 - path.direction.z)
     }
 
-    /// Chance that a path is scattered before it is absorbed or leaves the layer.
+    /// Probability that a path is scattered before it is absorbed or leaves the layer.
     fn chance(&self, walker: &Walker<P::Memory>) -> f64 {
         let Path { position, direction, .. } = walker.path;
         let way =
@@ -230,11 +230,11 @@ impl<P: Likelihood, R: Fn(f32, &mut P::Memory)> Walk<P, R> {
 }
 
 impl<M: Copy> Walker<M> {
-    fn history(&self) -> History<M> {
+    fn record(&self) -> PathRecord<M> {
         let Path { position, direction, length } = self.path;
         let radius = position.x.hypot(position.y);
         let along = position.x * direction.x + position.y * direction.y;
         let slope = if radius > 0.0 { along / (radius * direction.z) } else { 0.0 };
-        History { scatterings: self.scatterings, memory: self.memory, length, radius, slope }
+        PathRecord { scatterings: self.scatterings, memory: self.memory, length, radius, slope }
     }
 }

@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 
 /// i w·FT[(fx, fy)] / w² of a vector image on the canvas. At the highest frequency of an axis a derivative along it has
 /// no sign and is left out, as it is in the sum over its aliases.
-pub(super) fn bend(canvas: &Canvas, field: [Vec<f32>; 2]) -> Spectrum {
+pub(super) fn slope_correction(canvas: &Canvas, field: [Vec<f32>; 2]) -> Spectrum {
     let (width, height) = (canvas.fft.width, canvas.fft.height);
     let [x, y] = field.map(|plane| canvas.fft.forward(plane));
     let along = |i: usize, n: usize| {

@@ -1,11 +1,11 @@
-//! Fits by sums over the image against renders: the images that the sums are made of, and the answers.
+//! Fits by Gram matrices against renders: the images that the matrices are made of, and the answers.
 
+use crate::common::estimates::compare_all;
 use crate::common::{pixels, sloping, texture, with_noise};
 use narrowbeam::filter::basis::Basis;
 use narrowbeam::filter::cpu::CpuFilter;
 use narrowbeam::filter::{Filter, Optics, Target};
-use narrowbeam::fit::scenes::fit_scenes;
-use narrowbeam::fit::{ChannelFit, Datum, NoiseTerm, Settings, VeilTerm, fit_channel};
+use narrowbeam::fit::{ChannelFit, NoiseTerm, Observation, Settings, VeilTerm, fit_channel, fit_scenes};
 use narrowbeam::geometry::{Field, Geometry};
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
@@ -83,7 +83,8 @@ fn the_images_of_the_basis_add_up_to_renders() {
     assert!(worst[0] < 3e-5 && worst[2] < 3e-5 && worst[1] < 3e-4 && worst[3] < 3e-4, "{worst:?}");
 }
 
-const TRUTH: [f64; 3] = [0.7, 0.15, 0.004];
+/// sigma_s, sigma_a and B.
+const TRUTH: (f64, f64, f64) = (0.7, 0.15, 0.004);
 const NOISE: f64 = 0.003;
 
 /// A scene that a fit is asked about.
@@ -98,8 +99,8 @@ struct Made {
 impl Made {
     fn new(geometry: Geometry, model: Model, border: Border, view: View, seed: u64) -> Self {
         let object = texture(geometry.width, geometry.height);
-        let phase = Gaussian::new(TRUTH[2]).unwrap();
-        let optics = Optics { model, medium: Medium::new(TRUTH[0], TRUTH[1], phase.into()).unwrap() };
+        let (sigma_s, sigma_a, b) = TRUTH;
+        let optics = Optics { model, medium: Medium::gaussian(sigma_s, sigma_a, b).unwrap() };
         let mut made = Self { object, geometry, border, view, observed: Image::filled(1, 1, 0.0) };
         let clean = CpuFilter::new(made.target(), &optics, 1.0).unwrap().render(&optics).unwrap();
         made.observed = with_noise(&clean, NOISE, seed);
@@ -115,75 +116,64 @@ impl Made {
         Target { radiance: object, behind: &[], geometry, border: *border, view: *view, relief: None }
     }
 
-    fn datum(&self) -> Datum<'_> {
-        Datum {
-            target: self.target(),
-            observed: &self.observed,
-            mask: None,
-            hidden_share_max: 0.01,
-            gain_error: 0.0,
-            depth_error: 0.0,
-            noise: None,
-            gain: Gain::Fixed(1.0),
-            veil: VeilTerm::Fixed(0.0),
-        }
+    fn observation(&self) -> Observation<'_> {
+        Observation::plain(self.target(), &self.observed)
     }
 }
 
-fn fit(data: &[Datum], model: Model, sums: bool) -> ChannelFit {
-    fit_channel(data, &FitOptions::default(), &Settings { model, sums, ..Settings::default() }).unwrap()
+fn fit(observations: &[Observation], model: Model, gram: bool) -> ChannelFit {
+    let settings = Settings { model, gram, ..Settings::default() };
+    fit_channel(observations, &FitOptions::default(), &settings, &|| ()).unwrap()
 }
 
-/// Distance of `values` from the fit's, in standard errors: the largest over what the fit determines.
-fn distance(fit: &ChannelFit, values: [f64; 3]) -> f64 {
-    let found = fit.parameters.values();
-    let in_errors = |i: usize| {
-        let off = if i == 1 { values[1] - found[1] } else { (values[i] / found[i]).ln() };
-        fit.uncertainty.std_error(i).map(|error| off.abs() / error)
-    };
-    (0..3).filter_map(in_errors).fold(0.0, f64::max)
+/// Distance of `medium` from the fit's, in standard errors: the largest over what the fit determines.
+fn distance(fit: &ChannelFit, medium: Medium) -> f64 {
+    let in_std_errors = compare_all(fit, medium).into_iter().filter_map(|found| found.in_std_errors());
+    in_std_errors.map(f64::abs).fold(0.0, f64::max)
 }
 
-/// What the sums may differ by from renders, in standard errors.
+/// What Gram matrices may differ by from renders, in standard errors.
 const AGREED: f64 = 0.1;
 
-/// Asserts that the sums' own answer, and the one that renders have made of it, are that of a fit by renders alone.
-fn assert_agreed(what: &str, data: &[Datum], model: Model) {
-    let (fast, full) = (fit(data, model, true), fit(data, model, false));
-    let by_sums = fast.by_sums.expect("the scene has sums");
-    let off = [by_sums, fast.parameters.values()].map(|values| distance(&full, values));
+/// Asserts that the Gram matrices' own answer, and the one that renders have made of it, are that of a fit by renders alone.
+fn assert_agreed(what: &str, observations: &[Observation], model: Model) {
+    let (fast, full) = (fit(observations, model, true), fit(observations, model, false));
+    let by_gram = fast.by_gram.as_ref().expect("the scene has a Gram matrix");
+    let off = [by_gram, &fast.parameters].map(|found| distance(&full, found.medium().unwrap()));
     println!(
-        "{what}: sums {:.4}, confirmed {:.4} standard errors off; {} renders and {} evaluations by sums, {} renders alone",
-        off[0], off[1], fast.evaluations, fast.sum_evaluations, full.evaluations
+        "{what}: Gram matrices {:.4}, confirmed {:.4} standard errors off; {} renders and {} evaluations by Gram \
+         matrices, {} renders alone",
+        off[0], off[1], fast.evaluations, fast.gram_evaluations, full.evaluations
     );
-    assert!(full.by_sums.is_none() && fast.converged, "{what}");
+    assert!(full.by_gram.is_none() && fast.converged, "{what}");
     assert!(off[0] < AGREED && off[1] < AGREED, "{what}: {off:?}");
 }
 
 #[test]
-fn sums_give_the_answer_of_renders() {
+fn gram_matrices_give_the_answer_of_renders() {
     let whole = View::whole(64, 64);
     for model in Model::ALL.into_iter().filter(|m| m.spreads()) {
         let made = Made::plane(model, Border::Zero, whole);
-        assert_agreed(model.name(), &[made.datum()], model);
+        assert_agreed(model.name(), &[made.observation()], model);
     }
     let model = Model::SmallAngle;
     for border in [Border::Clamp, Border::Mirror] {
         let made = Made::plane(model, border, whole);
-        assert_agreed(&format!("{border:?}"), &[made.datum()], model);
+        assert_agreed(&format!("{border:?}"), &[made.observation()], model);
     }
     let made = Made::plane(model, Border::Zero, View { x: 11, y: 5, width: 40, height: 35 });
-    assert_agreed("part of the object", &[made.datum()], model);
+    assert_agreed("part of the object", &[made.observation()], model);
     let mut made = Made::plane(model, Border::Zero, whole);
     let mask = Image::from_fn(64, 64, |x, y| f32::from(u8::from((x * x + y * y) % 7 < 4 && x + y > 30)));
-    assert_agreed("mask", &[Datum { mask: Some(&mask), ..made.datum() }], model);
+    assert_agreed("mask", &[Observation { mask: Some(&mask), ..made.observation() }], model);
     let variance =
         Image::from_fn(64, 64, |x, _| NOISE as f32 * NOISE as f32 * (0.2 + x as f32 / 8.0).powi(2));
-    let uneven = Datum { mask: Some(&mask), noise: Some(NoiseTerm::Variance(&variance)), ..made.datum() };
+    let uneven =
+        Observation { mask: Some(&mask), noise: Some(NoiseTerm::Variance(&variance)), ..made.observation() };
     assert_agreed("variances", &[uneven], model);
-    assert_agreed("variances and a free veil", &[Datum { veil: VeilTerm::Free, ..uneven }], model);
+    assert_agreed("variances and a free veil", &[Observation { veil: VeilTerm::Free, ..uneven }], model);
     made.observed.data.iter_mut().for_each(|v| *v = 1.3 * *v + 0.2);
-    let exposed = Datum { gain: Gain::Free, veil: VeilTerm::Free, ..made.datum() };
+    let exposed = Observation { gain: Gain::Free, veil: VeilTerm::Free, ..made.observation() };
     assert_agreed("free gain and veil", &[exposed], model);
 }
 
@@ -197,30 +187,37 @@ fn so_they_do_for_several_scenes_and_depths() {
             Made::new(geometry, model, Border::Zero, whole, 2)
         })
         .collect();
-    let data: Vec<Datum> = scenes.iter().map(|m| Datum { veil: VeilTerm::Free, ..m.datum() }).collect();
-    assert_agreed("two scenes", &data, model);
+    let observations: Vec<Observation> =
+        scenes.iter().map(|m| Observation { veil: VeilTerm::Free, ..m.observation() }).collect();
+    assert_agreed("two scenes", &observations, model);
 
     let depth = Field::Map(Image::from_fn(64, 64, |x, y| if (x / 16 + y / 16) % 2 == 0 { 1.5 } else { 2.5 }));
     let geometry = Geometry { depth, ..Geometry::planar(64, 64, 0.03, 2.0).unwrap() };
     let made = Made::new(geometry, model, Border::Zero, whole, 3);
-    assert_agreed("two depths", &[Datum { gain: Gain::Free, ..made.datum() }], model);
+    assert_agreed("two depths", &[Observation { gain: Gain::Free, ..made.observation() }], model);
 
     let made = Made::new(sloping(64, 64, 0.03, 2.0, 0.5), model, Border::Zero, whole, 4);
-    assert!(fit(&[made.datum()], model, true).by_sums.is_none(), "a slope has more depths than sums pay for");
+    assert!(
+        fit(&[made.observation()], model, true).by_gram.is_none(),
+        "a slope has more depths than Gram matrices pay for"
+    );
 }
 
 #[test]
 fn another_medium_is_not_taken_for_the_answer() {
     let made = Made::plane(Model::SmallAngle, Border::Zero, View::whole(64, 64));
-    let fit = fit(&[made.datum()], Model::SmallAngle, true);
-    let found = fit.parameters.values();
-    for i in 0..3 {
-        let error = fit.uncertainty.std_error(i).unwrap();
-        let mut other = found;
-        other[i] = if i == 1 { other[i] + 0.2 * error } else { other[i] * (0.2 * error).exp() };
-        assert!(distance(&fit, other) > AGREED, "{i}");
+    let fit = fit(&[made.observation()], Model::SmallAngle, true);
+    for (id, moved) in fit.parameters.of_medium() {
+        let error = fit.covariance.std_error(id).unwrap();
+        let value = |name: &str| {
+            let parameter = &fit.parameters[name];
+            let step = if name == moved.name() { 0.2 * error } else { 0.0 };
+            parameter.value_at(parameter.coordinate() + step)
+        };
+        let other = Medium::gaussian(value("sigma_s"), value("sigma_a"), value("b")).unwrap();
+        assert!(distance(&fit, other) > AGREED, "{}", moved.name());
     }
-    assert_eq!(distance(&fit, found), 0.0);
+    assert_eq!(distance(&fit, fit.parameters.medium().unwrap()), 0.0);
 }
 
 #[test]
@@ -228,11 +225,10 @@ fn the_report_names_the_path() {
     let path = |dataset: &str| {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("datasets").join(dataset).join("scene.toml");
         let scene = ObservedScene::read(&file).unwrap();
-        let fit = fit_scenes(&[scene], &Settings::default(), Filter::Auto).unwrap();
-        let by_sums = fit.report.fit["sum_evaluations"].as_u64().unwrap();
-        (fit.report.fit["path"].as_str().unwrap().to_string(), by_sums > 0)
+        let summary = fit_scenes(&[scene], &Settings::default(), Filter::Auto, &|| ()).unwrap().report.fit;
+        (summary.path, summary.sum_evaluations > 0)
     };
     assert_eq!(path("mitsuba-checker"), ("sums".into(), true));
-    // Its near plane is a screen.
+    // Its near plane is an occluder.
     assert_eq!(path("mitsuba-planes"), ("renders".into(), false));
 }

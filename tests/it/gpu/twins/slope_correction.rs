@@ -1,4 +1,4 @@
-//! Twin of shaders/bend.wgsl.
+//! Twin of shaders/slope_correction.wgsl.
 
 use super::store::{kept, stored};
 use super::{C, first_of, second_of};
@@ -13,7 +13,7 @@ fn slope(i: usize, n: usize) -> f32 {
     if 2 * i == n { 0.0 } else { frequency(i, n) }
 }
 
-pub fn bend(store: &Store, pair: &[C], spectra: &mut [C]) {
+pub fn slope_correction(store: &Store, pair: &[C], spectra: &mut [C]) {
     let [width, height] = store.size.map(|n| n as usize);
     for at in 0..store.columns as usize * height {
         let here = stored(store, pair, at);

@@ -1,9 +1,9 @@
-//! What lies between two screens, on the device: the spectra of its slices.
+//! What lies between two occluders, on the device: the spectra of its slices.
 
 use super::super::canvas::Canvas;
 use super::super::plan::Plan;
 use super::super::slices::{Node, Slices};
-use super::super::sources::Sheet;
+use super::super::sources::Layer;
 use super::fft::FftPlan;
 use super::layout::{NOTHING, Store, Weigh};
 use super::{Resident, shaders};
@@ -11,17 +11,17 @@ use crate::error::Result;
 use crate::gpu::{Gpu, Shader};
 use wgpu::Buffer;
 
-/// Sources between two screens.
-pub(super) struct Segment {
+/// Sources between two occluders.
+pub(super) struct Slab {
     slices: Option<Slices>,
-    /// Number of screens that its light must pass.
+    /// Number of occluders that its light must pass.
     pub passed: usize,
     /// Whether each slice has a slope term.
     pub sloping: bool,
     /// Its spectra, cut so that each part can be bound.
     pub parts: Vec<Part>,
     /// What its light must pass.
-    pub screen: Option<Node>,
+    pub occluder: Option<Node>,
 }
 
 /// Bytes of the largest part: even a slow adapter gathers it in a tenth of a second, well within a watchdog's patience.
@@ -34,23 +34,23 @@ pub(super) struct Part {
     pub spectra: Buffer,
 }
 
-impl Segment {
+impl Slab {
     pub(super) fn new(
         gpu: &Gpu,
-        (plan, sheets): (&Plan, &[Sheet]),
+        (plan, layers): (&Plan, &[Layer]),
         canvas: &Canvas,
         fft: &FftPlan,
         resident: &Resident,
         passed: usize,
     ) -> Result<Self> {
         let slices = plan.slices[passed].clone();
-        let mut mine = sheets.iter().flatten().flatten().filter(|s| s.screens == passed);
+        let mut mine = layers.iter().flatten().flatten().filter(|s| s.occluders == passed);
         let sloping = mine.any(|s| s.slope != [0.0; 2]);
-        let screen = plan.screen(passed).map(|screen| plan.node(screen));
-        let mut segment = Self { slices, passed, sloping, parts: Vec::new(), screen };
-        segment.parts = Part::all(gpu, canvas, segment.planes())?;
-        segment.fill(gpu, canvas, fft, resident)?;
-        Ok(segment)
+        let occluder = plan.occluder(passed).map(|occluder| plan.node(occluder));
+        let mut slab = Self { slices, passed, sloping, parts: Vec::new(), occluder };
+        slab.parts = Part::all(gpu, canvas, slab.planes())?;
+        slab.fill(gpu, canvas, fft, resident)?;
+        Ok(slab)
     }
 
     pub(super) fn nodes(&self) -> &[Node] {
@@ -68,7 +68,7 @@ impl Segment {
             let mut recording = gpu.record();
             let weigh = Weigh {
                 canvas: resident.layout,
-                segment: self.passed as u32,
+                slab: self.passed as u32,
                 exact: u32::from(exact),
                 counts: counts.map(|n| n as u32),
                 slices: chosen,
@@ -98,7 +98,7 @@ impl Segment {
         }
         if self.sloping {
             for slice in 0..count as u32 {
-                transform([slice, NOTHING], true, &shaders::BEND, [count as u32 + slice, 0])?;
+                transform([slice, NOTHING], true, &shaders::SLOPE_CORRECTION, [count as u32 + slice, 0])?;
             }
         }
         Ok(())
