@@ -3,9 +3,9 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-# One test makes a Mitsuba image afresh: its Python environment, once.
+# One test renders a Mitsuba image: its Python environment, once.
 scripts/mitsuba_env.sh >/dev/null
-# The GPU tests need an adapter, be it a software one.
+# The GPU tests need an adapter, even if only a software one.
 scripts/vulkan.sh
 
 cargo test --release --locked --all-targets

@@ -1,4 +1,4 @@
-//! A scene file read into typed, checked values (see the README for the format).
+//! A scene file read into typed, checked values (docs/scene-file.md has the format).
 //!
 //! A file is read as what it is needed for: [`Scene`] to render or trace, [`ObservedScene`] to fit, [`LitScene`] to
 //! synthesize. Whatever is missing, unknown, contradictory or out of range is refused, by name of file and key or pixel; what

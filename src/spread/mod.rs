@@ -26,6 +26,7 @@ mod dual;
 mod hankel;
 mod model;
 mod moment_matched;
+mod range;
 mod single_scatter;
 mod small_angle;
 pub mod wide_angle;
@@ -34,8 +35,9 @@ use crate::medium::Medium;
 use crate::phase::PhaseFunction;
 
 pub use dual::Dual;
-pub use model::{Model, Range, SMALL_ANGLE_LIMIT, small_angle_error};
+pub use model::{Model, SMALL_ANGLE_LIMIT, small_angle_error};
 pub use moment_matched::{SecondMoments, second_moments};
+pub use range::Range;
 
 /// The spread of one object point's light, for one medium and path length.
 pub trait SpreadKernel: Send + Sync {

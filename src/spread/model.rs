@@ -3,6 +3,7 @@
 use super::SpreadKernel;
 use super::beer_lambert::BeerLambert;
 use super::moment_matched::{MomentMatched, Moments, Profile, gaussian_width};
+use super::range::Range;
 use super::single_scatter::SingleScatter;
 use super::small_angle::SmallAngle;
 use super::wide_angle::layout::Layout;
@@ -33,17 +34,6 @@ pub enum Model {
     WideAngle,
     /// Paths traced for the given scene: no kernel, and none of [`ALL`](Model::ALL).
     Traced,
-}
-
-/// The media for which a model has kernels.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Range {
-    /// Largest sigma_s z.
-    pub tau: f64,
-    /// Largest sigma_a z.
-    pub absorption: f64,
-    /// Least and largest parameter of the phase function, B (rad²) or g.
-    pub phase: [f64; 2],
 }
 
 /// Largest tau·4B at which small-angle theory holds to 1 % of the transfer function: max|dM| ≈ 0.19 tau·4B,

@@ -25,6 +25,7 @@ mod plots;
 mod recovery_datasets;
 mod recovery_own_model;
 mod registration;
+mod report;
 mod scene;
 mod select;
 mod shifted_observations;

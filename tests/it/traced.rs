@@ -5,6 +5,7 @@
 use crate::common::bundled::dataset;
 use crate::common::edge_and_slope;
 use crate::common::recovery::assert_recovered;
+use crate::common::report::read;
 use narrowbeam::filter::{Filter, Target};
 use narrowbeam::fit::{ChannelFit, Observation, Settings, fit_channel, fit_scenes};
 use narrowbeam::forward::Tracing;
@@ -204,13 +205,11 @@ fn the_command_line_traces_and_says_with_what() {
         narrowbeam(&["fit", &scene, "--model", "traced", "--paths", "65536", "--seed", "5", "--out", &out]);
     assert_eq!(code, Some(0), "{stderr}");
     let text = std::fs::read_to_string(folder.path().join("fit/fit.json")).unwrap();
-    let report: serde_json::Value = serde_json::from_str(&text).unwrap();
-    assert_eq!(
-        (report["model"].as_str(), report["fit"]["traced"]["seed"].as_u64()),
-        (Some("traced"), Some(5))
-    );
-    assert!(report["fit"]["traced"]["effective_share"].as_f64().unwrap() > 0.9);
-    assert!(report["parameters"]["b"]["model_error"].as_f64().unwrap() > 0.0);
+    let report = read(&text);
+    let traced = report.fit.traced.unwrap();
+    assert_eq!((report.model.as_str(), traced.seed), ("traced", 5));
+    assert!(traced.effective_share > 0.9);
+    assert!(report.parameters["b"].model_error.unwrap() > 0.0);
     let image = folder.path().join("render.exr").display().to_string();
     let medium = ["--sigma-s", "2", "--sigma-a", "0.2", "--spread-angle-deg", "45"];
     let render = ["render", &scene, "--model", "traced", "--paths", "65536", "--output", &image];

@@ -3,8 +3,13 @@
 use super::source::{File, Import};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A module, and the modules beside it that it may import.
-pub type Rule = (&'static str, &'static [&'static str]);
+/// A name, and the names that go with it, with blanks between: mostly a module, and the modules beside it that it may import.
+pub type Rule = (&'static str, &'static str);
+
+/// The names that go with that of a rule.
+pub fn words(names: &'static str) -> impl Iterator<Item = &'static str> {
+    names.split_whitespace()
+}
 
 /// Which child of a module imports which, and where.
 pub type Graph = BTreeMap<String, BTreeMap<String, String>>;
@@ -48,7 +53,7 @@ pub fn forbidden(graph: &Graph, modules: &BTreeSet<String>, rules: &[Rule]) -> V
             continue;
         };
         let imports = graph.get(module).into_iter().flatten();
-        let wrong = imports.filter(|(to, _)| !allowed.contains(&to.as_str()));
+        let wrong = imports.filter(|(to, _)| !words(allowed).any(|name| name == *to));
         complaints.extend(wrong.map(|(to, path)| format!("{path}: {module} must not import {to}")));
     }
     complaints
@@ -67,7 +72,7 @@ pub fn reached(graph: &Graph, never: &[Rule]) -> Vec<String> {
                 }
             }
         }
-        complaints.extend(banned.iter().filter(|b| seen.contains(*b)).map(|b| format!("{from} reaches {b}")));
+        complaints.extend(words(banned).filter(|b| seen.contains(b)).map(|b| format!("{from} reaches {b}")));
     }
     complaints
 }
@@ -111,7 +116,7 @@ fn name(module: &[String]) -> String {
 /// Crates that are mentioned outside the files or folders where they belong.
 pub fn strays(files: &[File], homes: &[Rule]) -> Vec<String> {
     let stray = |file: &File, (word, homes): &Rule| {
-        let at_home = homes.iter().any(|home| file.path.starts_with(home));
+        let at_home = words(homes).any(|home| file.path.starts_with(home));
         (!at_home && file.mentions(word)).then(|| format!("{} mentions {word}", file.path))
     };
     files.iter().flat_map(|file| homes.iter().filter_map(move |rule| stray(file, rule))).collect()

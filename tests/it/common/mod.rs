@@ -5,6 +5,7 @@ pub mod bundled;
 pub mod estimates;
 pub mod program;
 pub mod recovery;
+pub mod report;
 
 pub use narrowbeam::fit::noise::with_noise;
 use narrowbeam::geometry::{Camera, Field, Geometry};

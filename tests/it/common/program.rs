@@ -1,13 +1,19 @@
 //! Running the program as users do, and the images it reads.
 
+use super::report;
 use narrowbeam::image::{Channel, Image};
 use narrowbeam::io::exr;
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// Runs `narrowbeam` in `dir` with `arguments`.
+/// Runs `narrowbeam` in `dir` with `arguments`, and reads the reports that it makes.
 pub fn narrowbeam(dir: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_narrowbeam")).current_dir(dir).args(arguments).output().unwrap()
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_narrowbeam")).current_dir(dir).args(arguments).output().unwrap();
+    if matches!(output.status.code(), Some(0 | 3)) && matches!(arguments[0], "fit" | "forecast") {
+        report::read_all(dir, arguments, std::str::from_utf8(&output.stdout).unwrap());
+    }
+    output
 }
 
 /// Standard output of a run that exits 0.

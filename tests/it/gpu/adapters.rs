@@ -2,6 +2,7 @@
 
 use super::gpu;
 use super::scenes::Scene;
+use crate::common::report::read;
 use narrowbeam::Error;
 use narrowbeam::filter::Optics;
 use narrowbeam::filter::gpu::GpuFilter;
@@ -79,12 +80,11 @@ fn reports_name_backend_adapter_and_reason() {
             narrowbeam().args(["fit", scene, "--backend", backend, "--out"]).arg(&out).output().unwrap();
         assert_eq!(output.status.code(), Some(0));
         let json = std::fs::read_to_string(out.join("fit.json")).unwrap();
-        let report: serde_json::Value = serde_json::from_str(&json).unwrap();
-        let told = &report["backend"];
-        println!("{told}");
-        assert_eq!(told["kind"], kind);
-        assert!(told["reason"].is_string());
-        let adapter = told["adapter"].as_str();
+        let backend = read(&json).backend;
+        println!("{backend:?}");
+        assert_eq!(backend.kind, kind);
+        assert!(backend.reason.is_some());
+        let adapter = backend.adapter.as_deref();
         assert_eq!(adapter.is_some(), kind == "gpu");
         let line = String::from_utf8_lossy(&output.stdout).into_owned();
         assert!(line.contains(adapter.unwrap_or("on cpu")), "{line}");
@@ -113,11 +113,11 @@ fn auto_leaves_a_software_adapter_alone() {
         .args([&folder.path().join("fit"), &scene])
         .output()
         .unwrap();
-    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    println!("{}", report["backend"]);
+    let backend = read(std::str::from_utf8(&output.stdout).unwrap()).backend;
+    println!("{backend:?}");
     let software = gpu().adapter().software;
-    assert_eq!(report["backend"]["kind"], if software { "cpu" } else { "gpu" });
-    assert_eq!(report["backend"]["reason"].as_str().unwrap().contains("software"), software);
+    assert_eq!(backend.kind, if software { "cpu" } else { "gpu" });
+    assert_eq!(backend.reason.unwrap().contains("software"), software);
 }
 
 #[test]
