@@ -129,12 +129,14 @@ fn run(gpu: &Gpu, scene: &Scene, method: Method, reference: Option<&[f32]>, most
     Ok(Row { method, n: scene.n, width_px: scene.width_px, slope: scene.slope, timing, work })
 }
 
-/// The reference is itself an approximation: its distance from the f64 rung where that is quick.
+/// The reference is itself an approximation: its distance from the f64 implementation where that is quick.
 fn against_f64() -> Result<()> {
     for width_px in [0.3, 1.0, 4.0] {
         let scene = Scene::new(128, width_px, true);
-        let [l2, energy] = errors(&scene.reference()?, &scene.f64_rung()?);
-        println!("reference at 128 px, width {width_px} px: {l2:.1e} from the f64 rung, energy {energy:.1e}");
+        let [l2, energy] = errors(&scene.reference()?, &scene.f64_image()?);
+        println!(
+            "reference at 128 px, width {width_px} px: {l2:.1e} from the f64 implementation, energy {energy:.1e}"
+        );
     }
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! All integration tests, a module a subject: `cargo test --release --test it filter_rungs:: -- --nocapture` runs one.
+//! All integration tests, a module a subject: `cargo test --release --test it filter_implementations:: -- --nocapture` runs one.
 
 mod architecture;
 mod bright_squares;
@@ -9,7 +9,7 @@ mod common;
 mod composite;
 mod cramer_rao;
 mod exr_files;
-mod filter_rungs;
+mod filter_implementations;
 mod gpu;
 mod gram;
 mod henyey_greenstein;

@@ -19,7 +19,7 @@ struct Made {
     observed: Image,
 }
 
-/// An image by the second rung, which shares no interpolation with the fit's fast path.
+/// An image by the second implementation, which shares no interpolation with the fit's fast path.
 fn made(geometry: Geometry, model: Model, medium: Medium) -> Made {
     let object = texture(geometry.width, geometry.height);
     let optics = Optics { model, medium };
@@ -84,7 +84,7 @@ fn without_noise_the_parameters_come_back_over_a_grid_of_media() {
             }
         }
     }
-    // The second rung and the fast one differ by up to 1e-6 here; sigma_s and B trade against each other at tau 6,
+    // The second implementation and the fast one differ by up to 1e-6 here; sigma_s and B trade against each other at tau 6,
     // where that is amplified some hundredfold.
     println!("worst {worst:.1e}");
     assert!(worst < 1e-4);

@@ -1,4 +1,4 @@
-//! Renders moved by a fraction of a pixel: what a shift is, on the CPU against the f64 rung, and its derivatives.
+//! Renders moved by a fraction of a pixel: what a shift is, on the CPU against the f64 implementation, and its derivatives.
 
 use crate::common::{pixels, relative_l2, sloping, texture};
 use narrowbeam::filter::cpu::CpuFilter;
@@ -153,23 +153,23 @@ fn whole_pixels_translate_the_definition() {
         let definition = direct_sum::render(&moved, &optics(B)).unwrap();
         let second = per_depth::render_shifted(&scene.target(), &optics(B), [-2.0, 3.0]).unwrap();
         let off = relative_l2(second, definition);
-        // The bound of the second rung, tests/filter_rungs.rs: a shift by whole pixels adds nothing to it.
+        // The bound of the second implementation, tests/filter_implementations.rs: a shift by whole pixels adds nothing to it.
         assert!(off < 2e-5, "{border:?}: {off:.1e}");
     }
 }
 
-/// As for images that stand still, tests/filter_rungs.rs: a shift adds the roundings of two transforms.
+/// As for images that stand still, tests/filter_implementations.rs: a shift adds the roundings of two transforms.
 const FAST_RUNG: f64 = 1e-4;
 
-/// How far the CPU's render moved by `shift_px` is from that of the f64 rung moved by `exact_px`.
+/// How far the CPU's render moved by `shift_px` is from that of the f64 implementation moved by `exact_px`.
 fn from_f64(scene: &Scene, shift_px: [f64; 2], exact_px: [f64; 2]) -> f64 {
     let second = per_depth::render_shifted(&scene.target(), &optics(B), exact_px).unwrap();
     relative_l2(scene.shifted(shift_px), second)
 }
 
 #[test]
-fn shifts_agree_with_the_f64_rung() {
-    // Edges of the texture have the highest frequency too, of which a shift makes waves over all of the canvas. The rungs
+fn shifts_agree_with_the_f64_implementation() {
+    // Edges of the texture have the highest frequency too, of which a shift makes waves over all of the canvas. The implementations
     // pad alike only where the border is mirrored.
     let mirrored = [Scene::plane, |_, border| Scene::slope(border), |_, border| Scene::perspective(border)];
     for scene in mirrored.map(|scene| scene([40, 32], Border::Mirror)) {

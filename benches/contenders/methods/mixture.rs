@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 /// Gaussians, widest first.
 #[derive(Debug, Clone)]
-pub struct Ladder {
+pub struct GaussianMixture {
     /// Standard deviations along an axis, px.
     pub sigmas: Vec<f64>,
     /// For each the number of halvings of the image on which it is done.
@@ -25,8 +25,8 @@ const NARROWEST: f64 = 0.2;
 /// filter lets through in its transition is then damped to 1e-4.
 const COARSE: f64 = 2.7;
 
-impl Ladder {
-    /// The ladder for kernels up to `width_px`, each Gaussian `ratio` times as wide as the next.
+impl GaussianMixture {
+    /// The mixture for kernels up to `width_px`, each Gaussian `ratio` times as wide as the next.
     pub fn new(width_px: f64, ratio: f64, coarse: bool) -> Self {
         let widest = WIDEST * width_px;
         let finest = width_px.min(1.0);

@@ -93,8 +93,8 @@ impl Method {
                 timed(repeats, prepare, |tiles| tiles.render(optics, outside))
             }
             Method::Gaussians(ratio) | Method::Pyramid(ratio) => {
-                let ladder = self.ladder(scene, ratio);
-                let prepare = || fenced(gpu, || pyramid::Pyramid::new(gpu, scene, &ladder));
+                let mixture = self.mixture(scene, ratio);
+                let prepare = || fenced(gpu, || pyramid::Pyramid::new(gpu, scene, &mixture));
                 timed(repeats, prepare, |pyramid| pyramid.render(optics))
             }
         }
@@ -107,14 +107,18 @@ impl Method {
             Method::Fft(slices) => fft::work(scene, slices),
             Method::Gather(outside) => tile::work(scene, outside),
             Method::Gaussians(ratio) | Method::Pyramid(ratio) => {
-                pyramid::work(scene, &self.ladder(scene, ratio))
+                pyramid::work(scene, &self.mixture(scene, ratio))
             }
         }
     }
 
-    fn ladder(self, scene: &Scene, ratio: f64) -> mixture::Ladder {
+    fn mixture(self, scene: &Scene, ratio: f64) -> mixture::GaussianMixture {
         let coarse = matches!(self, Method::Pyramid(_));
-        mixture::Ladder::new(scene.width_px * scene.depths(1).far() / scene.depths(1).middle, ratio, coarse)
+        mixture::GaussianMixture::new(
+            scene.width_px * scene.depths(1).far() / scene.depths(1).middle,
+            ratio,
+            coarse,
+        )
     }
 }
 

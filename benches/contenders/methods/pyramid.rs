@@ -1,7 +1,7 @@
 //! A sum of Gaussians in separable passes, each on the image itself or on one of a lower rate.
 
 use super::depths::{Depths, padded};
-use super::mixture::{Ladder, coarse_taps, half_band, taps};
+use super::mixture::{GaussianMixture, coarse_taps, half_band, taps};
 use super::stages::{BLUR, Blur, DOUBLE, Double, HALVE, Halve, SHARP, Sharp};
 use super::{NODES, Scene, Work};
 use narrowbeam::error::Result;
@@ -18,7 +18,7 @@ const TAPS: usize = 16;
 pub struct Pyramid<'a> {
     gpu: &'a Gpu,
     scene: &'a Scene,
-    ladder: &'a Ladder,
+    mixture: &'a GaussianMixture,
     depths: Depths,
     half_band: Buffer,
     levels: Vec<Level>,
@@ -35,7 +35,7 @@ struct Level {
 }
 
 impl<'a> Pyramid<'a> {
-    pub fn new(gpu: &'a Gpu, scene: &'a Scene, ladder: &'a Ladder) -> Result<Self> {
+    pub fn new(gpu: &'a Gpu, scene: &'a Scene, mixture: &'a GaussianMixture) -> Result<Self> {
         let depths = scene.depths(NODES);
         let (light, places): (Vec<f32>, Vec<f32>) = scene.sources(&depths).map(|[l, p]| (l, p)).unzip();
         let filter: Vec<f32> = half_band(TAPS).iter().map(|&h| h as f32).collect();
@@ -46,11 +46,11 @@ impl<'a> Pyramid<'a> {
             };
             Ok(Level { n, input, image: gpu.empty::<f32>("image", n * n)? })
         };
-        let levels = sides(scene.n, ladder).into_iter().enumerate().map(level).collect::<Result<_>>()?;
+        let levels = sides(scene.n, mixture).into_iter().enumerate().map(level).collect::<Result<_>>()?;
         let spare = scene.n * scene.n.max(depths.terms() * (scene.n / 2 + 2 * MARGIN + 1));
         let half_band = gpu.upload("half-band filter", &filter)?;
         let spare = gpu.empty::<f32>("working space", spare)?;
-        let pyramid = Self { gpu, scene, ladder, levels, half_band, spare, depths };
+        let pyramid = Self { gpu, scene, mixture, levels, half_band, spare, depths };
         pyramid.halve()?;
         Ok(pyramid)
     }
@@ -82,7 +82,7 @@ impl<'a> Pyramid<'a> {
 
     /// The image: from the coarsest level on, the level's Gaussians and what came from below.
     pub fn render(&self, optics: &Optics) -> Result<Vec<f32>> {
-        let weights = self.ladder.weights(&self.depths, self.scene.pitch(), optics)?;
+        let weights = self.mixture.weights(&self.depths, self.scene.pitch(), optics)?;
         let mut recording = self.gpu.record();
         for (l, level) in self.levels.iter().enumerate().rev() {
             match self.levels.get(l + 1) {
@@ -90,11 +90,11 @@ impl<'a> Pyramid<'a> {
                 None => recording.clear(&level.image),
             }
             if l == 0 {
-                self.sharp(&mut recording, &weights[self.ladder.sigmas.len()], optics);
+                self.sharp(&mut recording, &weights[self.mixture.sigmas.len()], optics);
             }
-            let mine = (0..self.ladder.sigmas.len()).filter(|&j| self.ladder.levels[j] == l);
+            let mine = (0..self.mixture.sigmas.len()).filter(|&j| self.mixture.levels[j] == l);
             for j in mine {
-                self.blur(&mut recording, level, l, self.ladder.sigmas[j], &weights[j])?;
+                self.blur(&mut recording, level, l, self.mixture.sigmas[j], &weights[j])?;
             }
         }
         self.gpu.submit(recording)?;
@@ -168,8 +168,8 @@ const OUTPUTS: usize = 32;
 const ROWS: usize = 8;
 
 /// Sides of the levels, px.
-fn sides(n: usize, ladder: &Ladder) -> Vec<usize> {
-    let coarsest = ladder.levels.iter().max().copied().unwrap_or(0);
+fn sides(n: usize, mixture: &GaussianMixture) -> Vec<usize> {
+    let coarsest = mixture.levels.iter().max().copied().unwrap_or(0);
     let coarser = |n: &usize| Some(n.div_ceil(2) + 2 * MARGIN);
     std::iter::successors(Some(n), coarser).take(coarsest + 1).collect()
 }
@@ -183,9 +183,9 @@ fn level_taps(sigma: f64, level: usize, side: usize) -> Vec<f64> {
 
 /// A first pass reads its light (8 bytes, or 4 for each coefficient) with a halo and weighs it, a second one adds to what is
 /// there; each output takes a product a tap. Resampling takes 16 or 8 taps a pass.
-pub fn work(scene: &Scene, ladder: &Ladder) -> [Work; 2] {
+pub fn work(scene: &Scene, mixture: &GaussianMixture) -> [Work; 2] {
     let terms = scene.depths(NODES).terms() as f64;
-    let sides = sides(scene.n, ladder);
+    let sides = sides(scene.n, mixture);
     let (mut prepare, mut render) = (Work::default(), Work::default());
     let pixels = (scene.n * scene.n) as f64;
     prepare.bytes += 8.0 * pixels;
@@ -197,7 +197,7 @@ pub fn work(scene: &Scene, ladder: &Ladder) -> [Work; 2] {
         render += Work::dispatch(fine * coarse, 16.0, 4.0 + 4.0);
         render += Work::dispatch(fine * fine, 17.0, 4.0 + 4.0);
     }
-    for (&sigma, &l) in ladder.sigmas.iter().zip(&ladder.levels) {
+    for (&sigma, &l) in mixture.sigmas.iter().zip(&mixture.levels) {
         let side = sides[l] as f64;
         let radius = (level_taps(sigma, l, sides[l]).len() - 1) as f64;
         let halo = 1.0 + 2.0 * radius / OUTPUTS as f64;

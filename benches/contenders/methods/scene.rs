@@ -119,11 +119,11 @@ impl Scene {
         Ok(filter.render(&self.optics())?.data)
     }
 
-    /// The image by the f64 rung.
+    /// The image by the f64 implementation.
     ///
     /// # Errors
     /// As [`Optics::kernel`].
-    pub fn f64_rung(&self) -> Result<Vec<f32>> {
+    pub fn f64_image(&self) -> Result<Vec<f32>> {
         Ok(per_depth::render(&self.target(), &self.optics())?.iter().map(|&v| v as f32).collect())
     }
 }

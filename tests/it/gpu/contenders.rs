@@ -24,8 +24,8 @@ fn contenders_are_within_their_stated_errors_and_a_wrong_kernel_is_not() {
     let scene = scene();
     let right = scene.optics();
     let reference = scene.reference().unwrap();
-    let [rounding, _] = errors(&reference, &scene.f64_rung().unwrap());
-    assert!(rounding < 1e-6, "the reference is {rounding:.1e} from the f64 rung");
+    let [rounding, _] = errors(&reference, &scene.f64_image().unwrap());
+    assert!(rounding < 1e-6, "the reference is {rounding:.1e} from the f64 implementation");
     let wider = Gaussian::new(1.02 * right.medium.phase().planar_width().powi(2)).unwrap();
     let wrong = Optics { medium: right.medium.with_phase(wider.into()), ..right };
     for (method, stated) in STATED {

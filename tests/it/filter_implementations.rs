@@ -1,4 +1,4 @@
-//! The three rungs of the filter against each other, and what a filter must do whatever its kernel.
+//! The three implementations of the filter against each other, and what a filter must do whatever its kernel.
 
 use crate::common::{pixels, relative_l2, sloping, texture};
 use narrowbeam::filter::cpu::CpuFilter;
@@ -30,14 +30,14 @@ fn fast(target: &Target, optics: &Optics) -> Vec<f64> {
     pixels(&filter.render(optics).unwrap()).collect()
 }
 
-/// The rungs' stated differences, as relative L2: quadrature and tabulation in the direct sum, the tail of the alias
-/// sum (largest far below a pixel) and the 1e-8 beyond the padding in the second rung.
+/// The implementations' stated differences, as relative L2: quadrature and tabulation in the direct sum, the tail of the alias
+/// sum (largest far below a pixel) and the 1e-8 beyond the padding in the second implementation.
 const SECOND_RUNG: f64 = 2e-5;
-/// Against the second rung: f32, 1e-5 of the light beyond the padding, 1e-4 of slice interpolation.
+/// Against the second implementation: f32, 1e-5 of the light beyond the padding, 1e-4 of slice interpolation.
 const FAST_RUNG: f64 = 1e-4;
 
 #[test]
-fn one_depth_agrees_on_all_rungs_for_every_model_and_width() {
+fn one_depth_agrees_in_all_implementations_for_every_model_and_width() {
     println!("model                width/px   per depth - direct sum   fast - per depth   (relative L2)");
     let radiance = texture(24, 20);
     let phase = Gaussian::new(0.004).unwrap();
@@ -60,7 +60,7 @@ fn one_depth_agrees_on_all_rungs_for_every_model_and_width() {
 }
 
 #[test]
-fn borders_agree_on_all_rungs() {
+fn borders_agree_in_all_implementations() {
     let radiance = texture(20, 16);
     let phase = Gaussian::new(0.004).unwrap();
     let geometry = Geometry::planar(20, 16, 0.1, 1.5).unwrap();
@@ -89,7 +89,7 @@ fn perspective(width: usize, height: usize) -> Geometry {
 }
 
 #[test]
-fn depth_maps_surface_maps_and_perspective_agree_on_all_rungs() {
+fn depth_maps_surface_maps_and_perspective_agree_in_all_implementations() {
     let radiance = texture(20, 16);
     let phase = Gaussian::new(0.004).unwrap();
     let mut holes = sloping(20, 16, 0.1, 1.5, 0.3);
