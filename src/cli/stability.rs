@@ -24,7 +24,7 @@ pub(super) struct Arguments {
     /// Seed of tracing and noise
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// A coarse look in two minutes
+    /// A coarse look in half a minute
     #[arg(long)]
     quick: bool,
 }

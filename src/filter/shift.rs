@@ -40,7 +40,7 @@ impl Shift {
     pub(super) fn new<T: FftNum>(fft: &Fft2<T>, shift_px: [f64; 2]) -> Result<Self> {
         let sizes = [fft.width, fft.height];
         for ((name, value), size) in ["shift x, px", "shift y, px"].into_iter().zip(shift_px).zip(sizes) {
-            if !(value.abs() <= size as f64) {
+            if value.is_nan() || value.abs() > size as f64 {
                 let allowed = "finite, and no larger than the padded image";
                 return Err(Error::OutOfRange { name: name.into(), value, allowed });
             }

@@ -20,6 +20,8 @@ fn texture(width: usize, height: usize) -> Image {
 
 fn file_in(dir: &Path, bytes: &[u8]) -> PathBuf {
     let path = dir.join("damaged.exr");
+    // A file that is written over is flushed to the disk first.
+    let _ = std::fs::remove_file(&path);
     std::fs::write(&path, bytes).unwrap();
     path
 }

@@ -1,18 +1,17 @@
 //! Fits by Gram matrices against renders: the images that the matrices are made of, and the answers.
 
 use crate::common::estimates::compare_all;
-use crate::common::{pixels, sloping, texture, with_noise};
+use crate::common::{bundled, pixels, sloping, texture, with_noise};
 use narrowbeam::filter::basis::Basis;
 use narrowbeam::filter::cpu::CpuFilter;
 use narrowbeam::filter::{Filter, Optics, Target};
-use narrowbeam::fit::{ChannelFit, NoiseTerm, Observation, Settings, VeilTerm, fit_channel, fit_scenes};
+use narrowbeam::fit::{ChannelFit, NoiseTerm, Observation, Settings, VeilTerm, fit_channel};
 use narrowbeam::geometry::{Field, Geometry};
 use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::Gaussian;
-use narrowbeam::scene::{FitOptions, Gain, ObservedScene};
+use narrowbeam::scene::{FitOptions, Gain};
 use narrowbeam::spread::Model;
-use std::path::Path;
 
 /// The render of a basis' target by its images, or for `part` 1 to 3 a derivative.
 fn by_basis(basis: &Basis, view: View, optics: &Optics, part: usize) -> Image {
@@ -223,10 +222,8 @@ fn another_medium_is_not_taken_for_the_answer() {
 #[test]
 fn the_report_names_the_path() {
     let path = |dataset: &str| {
-        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("datasets").join(dataset).join("scene.toml");
-        let scene = ObservedScene::read(&file).unwrap();
-        let summary = fit_scenes(&[scene], &Settings::default(), Filter::Auto, &|| ()).unwrap().report.fit;
-        (summary.path, summary.sum_evaluations > 0)
+        let summary = &bundled::fit(dataset, Model::SmallAngle, Filter::Auto).report.fit;
+        (summary.path.clone(), summary.sum_evaluations > 0)
     };
     assert_eq!(path("mitsuba-checker"), ("sums".into(), true));
     // Its near plane is an occluder.

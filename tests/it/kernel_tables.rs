@@ -10,6 +10,7 @@ use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Gaussian, b_of_spread_angle};
 use narrowbeam::spread::{Model, SecondMoments, second_moments};
 use narrowbeam::trace::{RadialConfig, RadialProfile, log_spaced, trace_radial};
+use std::sync::LazyLock;
 
 const SIGMA_S: f64 = 0.95;
 const SIGMA_A: f64 = 0.05;
@@ -31,14 +32,27 @@ fn phase(degrees: f64) -> Gaussian {
     Gaussian::new(b_of_spread_angle(degrees.to_radians())).unwrap()
 }
 
-/// Profiles at `depths`, all from one set of histories. Edges are 1 % apart, from a thousandth of the kernel's width
-/// at the nearest plane to where hardly any light falls.
-fn traced(degrees: f64, depths: &[f64]) -> Vec<RadialProfile> {
-    let width = phase(degrees).b().sqrt();
-    let edges = log_spaced(1e-3 * width * depths[0], 1e2 * depths[depths.len() - 1], 900);
-    let config =
-        RadialConfig { medium: medium(degrees), depths: depths.to_vec(), edges, paths: PATHS, seed: 20 };
-    trace_radial(&config, &|_| ()).unwrap()
+/// Spread angles in degrees, and the depths of either table.
+const PLANES: [(f64, &[f64]); 4] =
+    [(5.0, &[1.0, 3.0, 10.0]), (10.0, &[1.0, 2.0, 3.0, 10.0]), (20.0, &[1.0, 2.0, 3.0]), (30.0, &[1.0, 3.0])];
+
+/// Profiles of the [`PLANES`], those of an angle from one set of paths. Edges are 1 % apart, from a thousandth of the
+/// kernel's width at the nearest plane to where hardly any light falls.
+static TRACED: LazyLock<Vec<Vec<RadialProfile>>> = LazyLock::new(|| {
+    let of_angle = |(degrees, depths): (f64, &[f64])| {
+        let width = phase(degrees).b().sqrt();
+        let edges = log_spaced(1e-3 * width * depths[0], 1e2 * depths[depths.len() - 1], 900);
+        let config =
+            RadialConfig { medium: medium(degrees), depths: depths.to_vec(), edges, paths: PATHS, seed: 20 };
+        trace_radial(&config, &|_| ()).unwrap()
+    };
+    PLANES.map(of_angle).to_vec()
+});
+
+fn traced(degrees: f64, depth: f64) -> &'static RadialProfile {
+    let angle = PLANES.iter().position(|p| p.0 == degrees).unwrap();
+    let plane = PLANES[angle].1.iter().position(|z| *z == depth).unwrap();
+    &TRACED[angle][plane]
 }
 
 /// A number of a reference table and half a unit of its last digit.
@@ -72,9 +86,8 @@ fn traced_second_moments_are_those_of_the_reference_table() {
     println!("angle  depth  printed R       exact R         standard error");
     let mut failures = Vec::new();
     for (degrees, rows) in table {
-        let depths: Vec<f64> = rows.iter().map(|r| r.0).collect();
-        for (profile, &(z, by_printed, by_exact)) in traced(degrees, &depths).iter().zip(rows) {
-            let moment = profile.second_moment();
+        for &(z, by_printed, by_exact) in rows {
+            let moment = traced(degrees, z).second_moment();
             let SecondMoments { exact, printed: as_printed } = second_moments(&medium(degrees), z).unwrap();
             // One path's contribution scatters alike in both tracers, so the reference's noise is ours for the number
             // of its paths; the two are independent.
@@ -114,9 +127,8 @@ fn worst_errors_of_the_encircled_energy_are_those_of_the_reference_table() {
     println!("angle  depth  {}  standard error", MODELS.map(|m| format!("{:20}", m.name())).join(""));
     let mut failures = Vec::new();
     for (degrees, rows) in table {
-        let depths: Vec<f64> = rows.iter().map(|r| r.0).collect();
-        for (profile, (z, references)) in traced(degrees, &depths).iter().zip(rows) {
-            let medium = medium(degrees);
+        for (z, references) in rows {
+            let (profile, medium) = (traced(degrees, *z), medium(degrees));
             let (mut cells, mut std_error) = (String::new(), 0.0_f64);
             for (model, reference) in MODELS.into_iter().zip(references) {
                 let kernel = model.kernel(&medium, *z).unwrap();

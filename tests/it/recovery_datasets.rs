@@ -1,5 +1,6 @@
 //! The bundled datasets, made by programs that know nothing of the spread models: what comes back of their media.
 
+use crate::common::bundled::{dataset, fit};
 use crate::common::estimates::{Compared, compare, compare_all, value_of};
 use narrowbeam::filter::Filter;
 use narrowbeam::fit::{SceneFit, Settings, WarningCode, fit_scenes};
@@ -18,8 +19,7 @@ fn datasets() -> Vec<(String, PathBuf)> {
 
 /// Names and folders of all bundled datasets.
 fn folders() -> Vec<(String, PathBuf)> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("datasets");
-    let mut all: Vec<_> = std::fs::read_dir(folder)
+    let mut all: Vec<_> = std::fs::read_dir(dataset(""))
         .unwrap()
         .map(|entry| entry.unwrap())
         .filter(|entry| entry.path().join("scene.toml").is_file())
@@ -31,11 +31,6 @@ fn folders() -> Vec<(String, PathBuf)> {
 
 /// Sets of parted depths, observed by Mitsuba from whole shapes.
 const STAGED: [&str; 3] = ["mitsuba-planes", "mitsuba-stage", "mitsuba-tilt"];
-
-fn fit(scene: &Path, model: Model, filter: Filter) -> SceneFit {
-    let scene = ObservedScene::read(scene).unwrap();
-    fit_scenes(&[scene], &Settings { model, ..Settings::default() }, filter, &|| ()).unwrap()
-}
 
 fn truth(folder: &Path) -> Medium {
     read_truth(&folder.join("truth.toml")).unwrap()[0]
@@ -99,14 +94,13 @@ fn every_dataset_gives_its_medium_back() {
     let mut failed = Vec::new();
     println!("{HEADING}");
     for (name, folder) in &all {
-        let scene = folder.join("scene.toml");
-        let (fit_by, truth) = (|filter| fit(&scene, Model::SmallAngle, filter), truth(folder));
+        let (fit_by, truth) = (|filter| fit(name, Model::SmallAngle, filter), truth(folder));
         let fit = fit_by(Filter::Auto);
         assert!(fit.report.is_complete(), "{name}: {:?}", fit.report.warnings);
         let beside = fit.report.filter == "composite";
         let eq29 = beside.then(|| fit_by(Filter::Eq29));
-        print_rows(name, &fit, truth, eq29.as_ref());
-        if !is_within(name, &fit, truth) {
+        print_rows(name, fit, truth, eq29);
+        if !is_within(name, fit, truth) {
             failed.push(name);
         }
         if let Some(eq29) = eq29
@@ -122,8 +116,9 @@ fn every_dataset_gives_its_medium_back() {
 
 #[test]
 fn what_is_hidden_need_not_be_left_out_if_a_layer_shows_it() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("datasets/mitsuba-planes");
-    let fit = fit(&folder.join("layers.toml"), Model::SmallAngle, Filter::Auto);
+    let folder = dataset("mitsuba-planes");
+    let scene = ObservedScene::read(&folder.join("layers.toml")).unwrap();
+    let fit = fit_scenes(&[scene], &Settings::default(), Filter::Auto, &|| ()).unwrap();
     let (channel, truth) = (&fit.channels[0].1, truth(&folder));
     println!("{HEADING}");
     print_rows("planes, layers", &fit, truth, None);
@@ -149,11 +144,10 @@ fn the_printed_kernel_gives_b_too_low_and_loses_sigma_s_in_thick_media() {
     // Fitted to the true transport the kernel with the second moment of eq. 21 puts B 26-57 % low, and in thick
     // media sigma_s runs away: its moment is up to three times too large, and its shape has too much weight near 0.
     // The staged sets span too many depths to be thin or thick.
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("datasets");
     println!("dataset            tau    error of sigma_s, sigma_a, B in percent (narrow-beam-printed)");
-    let printed = |folder: &Path| fit(&folder.join("scene.toml"), Model::NarrowBeamPrinted, Filter::Eq29);
+    let printed = |name: &str| fit(name, Model::NarrowBeamPrinted, Filter::Eq29);
     for (name, folder) in datasets().into_iter().filter(|(name, _)| !STAGED.contains(&name.as_str())) {
-        let (_, channel) = &printed(&folder).channels[0];
+        let (_, channel) = &printed(&name).channels[0];
         let truth = truth(&folder);
         let percent = |quantity| 100.0 * compare(channel, truth, quantity).relative_error();
         let [sigma_s, sigma_a, b] = Quantity::MEDIUM.map(percent);
@@ -164,7 +158,7 @@ fn the_printed_kernel_gives_b_too_low_and_loses_sigma_s_in_thick_media() {
             assert!(b > -57.0 && sigma_s.abs() < 15.0, "{name}: {sigma_s} {b}");
         }
     }
-    let thick = printed(&root.join("mitsuba-slope"));
+    let thick = printed("mitsuba-slope");
     assert!(thick.channels[0].1.parameters["sigma_s"].value() > 2.0 * 1.2);
     assert!(!thick.report.is_complete() || !thick.report.warnings.is_empty());
 }
@@ -182,9 +176,8 @@ fn give_back_to_wide_angle_alone(prefix: &str, least: usize) {
     let sets: Vec<_> = folders().into_iter().filter(|(name, _)| name.starts_with(prefix)).collect();
     assert!(sets.len() >= least);
     for (name, folder) in &sets {
-        let (scene, truth) = (folder.join("scene.toml"), truth(folder));
-        let wide = fit(&scene, Model::WideAngle, Filter::Auto);
-        let small = fit(&scene, Model::SmallAngle, Filter::Auto);
+        let truth = truth(folder);
+        let [wide, small] = [Model::WideAngle, Model::SmallAngle].map(|model| fit(name, model, Filter::Auto));
         assert!(
             wide.report.is_complete() && wide.report.warnings.is_empty(),
             "{name}: {:?}",

@@ -1,8 +1,10 @@
 //! The rule of no silent failure: what counts as one, and that a coarse map of where methods fail has none.
 
 use crate::common::program::narrowbeam;
-use narrowbeam::fit::WarningCode;
+use narrowbeam::fit::noise::with_noise;
+use narrowbeam::fit::{Method as Solver, WarningCode};
 use narrowbeam::forward::Quantity;
+use narrowbeam::lab::study::grid::plane;
 use narrowbeam::lab::study::stability::{Found, Method, Outcome, OutcomeKind};
 use narrowbeam::lab::study::trial::{Place, Tally, Trial};
 use narrowbeam::lab::study::{Setting, Texture};
@@ -88,6 +90,25 @@ fn no_method_fails_silently_on_a_coarse_map() {
     for picture in ["error", "verdict", "sweeps"] {
         for kind in ["png", "svg"] {
             assert!(folder.path().join(format!("made/stability_{picture}.{kind}")).is_file());
+        }
+    }
+}
+
+/// What the coarse map leaves out: there small-angle theory's simplex starts, too, which takes a minute.
+#[test]
+fn a_start_two_decades_too_wide_misleads_no_method_silently() {
+    let simplex = Method { model: Some(Model::WideAngle), solver: Solver::NelderMead };
+    for degrees in [6.0, 30.0] {
+        let setting = plane(1.5, degrees, 32).unwrap();
+        let clean = setting.render(Model::WideAngle).unwrap();
+        let mut scene = setting.scene(with_noise(&clean, 0.005 * clean.mean(), 1), None).unwrap();
+        let off = |quantity| if quantity == Quantity::SigmaA { 1.0 } else { 100.0 };
+        let options = &mut scene.scene.fit[0];
+        *options = options.started_at(|quantity| setting.truth(quantity) * off(quantity));
+        for method in [Method::of(Model::SmallAngle), Method::of(Model::WideAngle), simplex] {
+            let outcome = method.try_on(&scene, &setting, &Quantity::MEDIUM);
+            println!("{degrees}°, {}: {:?}", method.name(), outcome.kind());
+            assert_ne!(outcome.kind(), OutcomeKind::Silent, "{degrees}°, {}", method.name());
         }
     }
 }

@@ -2,6 +2,7 @@
 //! other paths; of planes behind thick media more in `traced_planes`. That it agrees with the tracer is the agreement of a
 //! program with itself: Mitsuba is the witness.
 
+use crate::common::bundled::dataset;
 use crate::common::edge_and_slope;
 use crate::common::recovery::assert_recovered;
 use crate::common::report::read;
@@ -15,7 +16,6 @@ use narrowbeam::phase::{Family, Gaussian, HenyeyGreenstein, PhaseFunction, b_of_
 use narrowbeam::scene::{FitOptions, ObservedScene, read_truth};
 use narrowbeam::spread::Model;
 use narrowbeam::trace::{BATCHES, Hits, ImageConfig, Likelihood, Replay, trace_image};
-use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// A checkerboard of unequal cells.
@@ -144,10 +144,6 @@ fn check_likelihood<P: Likelihood>(from: P, to: P, bound: f64) {
     let exact = 5.0 * 1.25_f64.ln() - 1.5 * 0.7 + turns;
     println!("{from:?} to {to:?}: {found} {exact}");
     assert!((found - exact).abs() < bound && turns.abs() > 100.0 * bound, "{from:?}: {found} {exact}");
-}
-
-fn dataset(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("datasets").join(name)
 }
 
 #[test]

@@ -211,8 +211,8 @@ fn a_free_gain_at_one_depth_calls_for_another() {
     let views = Views::planes(halves(48), (0.05, &[1.0]), [2.0, 0.2, 10.0]);
     let mut observations = views.observations();
     observations[0].gain = Gain::Free;
-    let settings = traced(1 << 20);
-    let fit = fit_channel(&observations, &views.options(false), &settings, &|| ()).unwrap();
+    let (options, settings) = (views.options(false), traced(1 << 18));
+    let fit = fit_channel(&observations, &options, &settings, &|| ()).unwrap();
     assert_eq!(status(&fit, Quantity::SigmaS), Status::Free);
     assert_eq!(status(&fit, Quantity::SigmaA), Status::Undetermined);
     assert_eq!(status(&fit, Quantity::Phase), Status::Free);

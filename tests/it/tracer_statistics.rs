@@ -245,7 +245,7 @@ fn planes_traced_together_agree_with_each_traced_alone() {
     let together = trace(&config(medium(1.0, 0.1, phase), &[0.5, 1.0, 2.0], 200_000, 17));
     for profile in &together {
         let alone = &trace(&config(medium(1.0, 0.1, phase), &[profile.z], 200_000, 17))[0];
-        // The same streams: the same histories up to this plane.
+        // The same streams: the same paths up to this plane.
         assert_eq!(profile.scattered_paths(), alone.scattered_paths());
         assert_eq!(profile.second_moment(), alone.second_moment());
     }

@@ -1,6 +1,7 @@
 //! The project's tracer against Mitsuba, pixel by pixel: two programs that share no code and must agree; and the
 //! small-angle render at the truth beside them.
 
+use crate::common::bundled::dataset;
 use narrowbeam::filter::cpu::CpuFilter;
 use narrowbeam::filter::{Optics, Target};
 use narrowbeam::image::Image;
@@ -9,7 +10,6 @@ use narrowbeam::medium::Medium;
 use narrowbeam::scene::{Scene, read_truth};
 use narrowbeam::spread::Model;
 use narrowbeam::trace::{ImageConfig, trace_image};
-use std::path::Path;
 
 /// Reduced chi² of the difference of two images, given the variance of that difference.
 fn reduced_chi2(a: &Image, b: &Image, variance: impl Fn(usize) -> f64) -> f64 {
@@ -26,7 +26,7 @@ struct Witness {
 
 impl Witness {
     fn read(name: &str) -> Self {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("datasets").join(name);
+        let folder = dataset(name);
         let file = ExrFile::read(&folder.join("observed.exr")).unwrap();
         Self {
             scene: Scene::read(&folder.join("scene.toml")).unwrap(),

@@ -155,7 +155,7 @@ fn the_comparison_refuses_small_angle_theory() {
     assert!(worst.share.value - NORMAL * worst.share.std_error > BOUND, "{worst:?}");
 }
 
-fn holds_the_mean_slope_of_fresh_histories<P: Likelihood>(medium: Medium<P>, kernel: &WideAngle) {
+fn holds_the_mean_slope_of_fresh_paths<P: Likelihood>(medium: Medium<P>, kernel: &WideAngle) {
     let histories = trace_paths(medium, Scattered::Once, 300_000, 77).unwrap();
     for x in [0.3, 1.0, 3.0] {
         let k = x / medium.phase().planar_width();
@@ -172,7 +172,7 @@ fn holds_the_mean_slope_of_fresh_histories<P: Likelihood>(medium: Medium<P>, ker
 }
 
 #[test]
-fn the_mean_slope_is_that_of_fresh_histories() {
+fn the_mean_slope_is_that_of_fresh_paths() {
     for (sigma_s, sigma_a, phase) in [
         (0.5, 0.2, gaussian(6.0)),
         (2.0, 0.5, gaussian(25.0)),
@@ -183,10 +183,10 @@ fn the_mean_slope_is_that_of_fresh_histories() {
         let kernel = wide_angle(&medium, 1.0);
         match phase {
             Phase::Gaussian(phase) => {
-                holds_the_mean_slope_of_fresh_histories(medium.with_phase(phase), &kernel);
+                holds_the_mean_slope_of_fresh_paths(medium.with_phase(phase), &kernel);
             }
             Phase::HenyeyGreenstein(phase) => {
-                holds_the_mean_slope_of_fresh_histories(medium.with_phase(phase), &kernel);
+                holds_the_mean_slope_of_fresh_paths(medium.with_phase(phase), &kernel);
             }
         }
     }

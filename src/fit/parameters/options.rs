@@ -40,7 +40,7 @@ impl FitOptions {
     }
 
     /// These options, started at `values`.
-    pub(crate) fn started_at(mut self, values: impl Fn(Quantity) -> f64) -> Self {
+    pub fn started_at(mut self, values: impl Fn(Quantity) -> f64) -> Self {
         for quantity in Quantity::MEDIUM {
             self.of_mut(quantity).start = Some(values(quantity));
         }

@@ -24,6 +24,9 @@ pub struct Extent {
     pub tau: Vec<f64>,
     /// Spread angles of the grid, degrees.
     pub spread_angle_deg: Vec<f64>,
+    /// Decades by which a start may have too much of both sigma_s and B: its kernels are as wide as they get, and a simplex
+    /// takes a minute from two decades.
+    pub widest_start: f64,
 }
 
 impl Extent {
@@ -34,16 +37,18 @@ impl Extent {
             samples: 2048,
             tau: log_spaced(0.1, 12.0, 8),
             spread_angle_deg: log_spaced(2.0, 60.0, 7),
+            widest_start: 2.0,
         }
     }
 
-    /// The same in two minutes on two cores.
+    /// The same in half a minute on two cores.
     pub fn quick() -> Self {
         Self {
             side: 32,
             samples: 256,
             tau: log_spaced(0.2, 8.0, 3),
             spread_angle_deg: log_spaced(4.0, 40.0, 3),
+            widest_start: 1.0,
         }
     }
 }

@@ -35,9 +35,8 @@ pub fn sweeps(extent: &Extent, seed: u64, tick: Tick) -> Result<Vec<Trial>> {
     let mut trials = Vec::new();
     for (i, degrees) in [6.0, 30.0].into_iter().enumerate() {
         let base = plane(1.5, degrees, extent.side)?;
-        let sweep =
-            Sweeps { base, samples: extent.samples * CLEANER, seed: seed + 1000 * (i as u64 + 1), tick };
-        trials.extend(sweep.all()?);
+        let (samples, seed) = (extent.samples * CLEANER, seed + 1000 * (i as u64 + 1));
+        trials.extend(Sweeps { base, samples, widest_start: extent.widest_start, seed, tick }.all()?);
     }
     Ok(trials)
 }
@@ -45,6 +44,7 @@ pub fn sweeps(extent: &Extent, seed: u64, tick: Tick) -> Result<Vec<Trial>> {
 struct Sweeps<'a> {
     base: Setting,
     samples: u32,
+    widest_start: f64,
     seed: u64,
     tick: Tick<'a>,
 }
@@ -91,7 +91,8 @@ impl Sweeps<'_> {
     fn starts(&self, clean: &Image) -> Result<Vec<Trial>> {
         let mut trials = Vec::new();
         for (i, sign) in [[1, 1], [1, -1], [-1, 1], [-1, -1]].into_iter().enumerate() {
-            for decades in [0.5, 1.0, 2.0] {
+            let most = if sign == [1, 1] { self.widest_start } else { f64::INFINITY };
+            for decades in [0.5, 1.0, 2.0].into_iter().filter(|&decades| decades <= most) {
                 let mut scene = self.noisy(&self.base, clean)?;
                 let [of_sigma_s, of_b] = sign.map(|sign| 10f64.powf(decades * f64::from(sign)));
                 let off = |quantity: Quantity| match quantity {

@@ -1,6 +1,7 @@
 //! Scenes and comparators shared by the tests.
 #![allow(dead_code, unused_imports, reason = "each bench uses its own part")]
 
+pub mod bundled;
 pub mod estimates;
 pub mod program;
 pub mod recovery;

@@ -2,7 +2,7 @@
 
 use super::gpu;
 use super::scenes::Scene;
-use crate::common::with_noise;
+use crate::common::{bundled, with_noise};
 use narrowbeam::filter::cpu::CpuFilter;
 use narrowbeam::filter::gpu::GpuFilter;
 use narrowbeam::filter::{Backend, Filter, Optics};
@@ -11,7 +11,6 @@ use narrowbeam::image::Image;
 use narrowbeam::medium::Medium;
 use narrowbeam::scene::{FitOptions, Gain, ObservedScene};
 use narrowbeam::spread::Model;
-use std::path::Path;
 
 /// What a fit was made with: sigma_s, sigma_a (1/length), B (rad²), gain and veil.
 const TRUTH: (f64, f64, f64) = (0.8, 0.1, 2e-5);
@@ -134,13 +133,10 @@ fn one_larger_evaluation_equals_that_of_the_cpu() {
 }
 
 fn dataset(name: &str) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("datasets").join(name).join("scene.toml");
-    let scene = ObservedScene::read(&path).unwrap();
-    let fit = |backend| {
-        let settings = Settings { backend, ..Settings::default() };
-        fit_scenes(std::slice::from_ref(&scene), &settings, Filter::Auto, &|| ()).unwrap()
-    };
-    let (cpu, device) = (fit(Backend::Cpu), fit(Backend::Gpu(gpu())));
+    let cpu = bundled::fit(name, Model::SmallAngle, Filter::Auto);
+    let scene = ObservedScene::read(&bundled::dataset(name).join("scene.toml")).unwrap();
+    let settings = Settings { backend: Backend::Gpu(gpu()), ..Settings::default() };
+    let device = fit_scenes(&[scene], &settings, Filter::Auto, &|| ()).unwrap();
     assert_eq!(device.report.backend.kind, "gpu");
     for ((_, cpu), (_, device)) in cpu.channels.iter().zip(&device.channels) {
         assert_same(name, cpu, device);

@@ -113,7 +113,7 @@ fn images_equal_the_definition_at_every_kernel_width() {
     let medium = |width_px| Medium::new(0.8, 0.1, width(width_px).into()).unwrap();
     for width_px in [0.05, 1.0, 4.0] {
         let optics = Optics { model: Model::SmallAngle, medium: medium(width_px) };
-        let scene = Scene::slope((32, 24), 32);
+        let scene = Scene::slope((32, 24), 8);
         let exact = direct_sum::render(&scene.target(), &optics).unwrap();
         row("direct sum, f64, 32x24 slope", width_px, against(&scene, &optics, &exact));
     }

@@ -1,4 +1,4 @@
-//! Path records against the radial tally, and reweighted histories against those of the other medium.
+//! Path records against the radial tally, and replayed paths against those of the other medium.
 
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Gaussian, HenyeyGreenstein, b_of_spread_angle};
@@ -16,8 +16,8 @@ fn scaled(sigma_s: f64, sigma_a: f64, degrees: f64) -> Scaled {
 }
 
 /// Light within `radius`.
-fn within<P: Likelihood>(histories: &PathRecords<P>, radius: f64) -> f64 {
-    histories.weight * histories.paths.iter().filter(|h| f64::from(h.radius) < radius).count() as f64
+fn within<P: Likelihood>(records: &PathRecords<P>, radius: f64) -> f64 {
+    records.weight * records.paths.iter().filter(|h| f64::from(h.radius) < radius).count() as f64
 }
 
 /// Mean over independent runs of the light within `radius`, and its standard error: copies of a path are not independent.
@@ -62,9 +62,9 @@ fn light_within_a_radius_is_that_of_the_radial_tally() {
 fn more_than_once(medium: Scaled, radius: f64) -> [(f64, f64); 2] {
     [Scattered::Once, Scattered::Twice].map(|scattered| {
         over_runs(|paths, seed| {
-            let mut histories = trace_paths(medium, scattered, paths, seed).unwrap();
-            histories.paths.retain(|h| h.scatterings > 1);
-            within(&histories, radius)
+            let mut records = trace_paths(medium, scattered, paths, seed).unwrap();
+            records.paths.retain(|h| h.scatterings > 1);
+            within(&records, radius)
         })
     })
 }
@@ -97,7 +97,7 @@ fn where_no_path_is_lost_light_scattered_twice_is_without_noise() {
 }
 
 #[test]
-fn histories_do_not_depend_on_the_number_of_threads() {
+fn path_records_do_not_depend_on_the_number_of_threads() {
     let medium = scaled(3.0, 1.0, 25.0);
     let trace = || trace_paths(medium, Scattered::Twice, 5_000, 3).unwrap();
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(trace);
@@ -114,7 +114,7 @@ fn near(path: &PathRecord<[f32; 1]>) -> f64 {
 }
 
 #[test]
-fn reweighted_histories_are_those_of_the_other_medium() {
+fn replayed_paths_are_those_of_the_other_medium() {
     let from = trace_paths(scaled(1.0, 0.3, 20.0), Scattered::Once, PATHS, 21).unwrap();
     let to = scaled(1.15, 0.5, 21.5);
     let reweighted = from.replay(&to, near);
