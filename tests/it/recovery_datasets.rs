@@ -106,7 +106,7 @@ fn every_dataset_gives_its_medium_back() {
         if let Some(eq29) = eq29
             && STAGED.contains(&name.as_str())
         {
-            assert!(!is_within(name, &eq29, truth), "{name}: eq29 would do");
+            assert!(!is_within(name, eq29, truth), "{name}: eq29 would do");
         }
     }
     assert!(failed.is_empty(), "not within their tolerances: {failed:?}");
