@@ -8,6 +8,6 @@ scripts/mitsuba_env.sh >/dev/null
 # The GPU tests need an adapter, even if only a software one.
 scripts/vulkan.sh
 
-cargo test --release --locked --all-targets
-# Benches are built by --all-targets but not run; documentation examples are run apart.
+cargo test --release --locked --lib --bins --tests --examples
+# Documentation examples are run apart. Benches are measurements, and only checked (by clippy).
 cargo test --release --locked --doc

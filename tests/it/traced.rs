@@ -220,7 +220,7 @@ fn the_command_line_traces_and_says_with_what() {
     let beyond = ["render", &scene, "--model", "wide-angle", "--output", &image];
     let (code, stderr) = narrowbeam(&[&beyond[..], &thick].concat());
     assert!(
-        code == Some(2) && stderr.contains("between 0 and 12") && stderr.contains("--model traced"),
+        code == Some(2) && stderr.contains("between 0 and 12") && stderr.contains("model traced"),
         "{stderr}"
     );
     for (wrong, named) in [

@@ -4,7 +4,7 @@
 //! covariance from below (Cramér-Rao). It is that of a fit of the scene's own noiseless render, started at the truth.
 
 use super::add_advice;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::filter::{Filter, Target};
 use crate::fit::Settings;
 use crate::fit::scenes::{SceneFit, fit_scenes};
@@ -15,6 +15,7 @@ use crate::scene::{
     FitOptions, Gain, HIDDEN_SHARE_MAX, Noise, Observation, ObservedScene, ParameterOptions, Registration,
     Scene, Veil,
 };
+use crate::spread::Model;
 
 /// How the planned images will be taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,7 +32,7 @@ pub struct Plan {
 /// those to expect. `[fit]` of the first scene says what is known; its phase function, starts and bounds are not used.
 ///
 /// # Errors
-/// As [`fit_scenes`] and the renders.
+/// [`Error::NoKernel`] for the model `traced`, whose images have noise of their own; otherwise as [`fit_scenes`] and the renders.
 pub fn forecast(
     scenes: &[Scene],
     media: &[Medium],
@@ -39,6 +40,9 @@ pub fn forecast(
     settings: &Settings,
     filter: Filter,
 ) -> Result<SceneFit> {
+    if settings.model == Model::Traced {
+        return Err(Error::NoKernel);
+    }
     let planned = |scene: &Scene| -> Result<ObservedScene> {
         let observation = plan.observation(scene, images(scene, media, settings, filter)?);
         let mut scene = scene.clone();
