@@ -163,6 +163,7 @@ impl Prepared<'_> {
     pub fn render_shifted(&self, optics: &Optics, shift_px: [f64; 2]) -> Result<Image> {
         match self {
             Prepared::Cpu(filter) => filter.render_shifted(optics, shift_px),
+            #[cfg(feature = "gpu")]
             Prepared::Gpu(filter) => filter.render_shifted(optics, shift_px),
         }
     }
@@ -174,6 +175,7 @@ impl Prepared<'_> {
     pub fn render_shifted_with_gradient(&self, optics: &Optics, shift_px: [f64; 2]) -> Result<Rendering> {
         match self {
             Prepared::Cpu(filter) => filter.render_shifted_with_gradient(optics, shift_px),
+            #[cfg(feature = "gpu")]
             Prepared::Gpu(filter) => filter.render_shifted_with_gradient(optics, shift_px),
         }
     }

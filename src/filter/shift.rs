@@ -49,6 +49,7 @@ impl Shift {
     }
 
     /// For each frequency across, then down, from 0 to all: the factor and its derivative in the shift.
+    #[cfg(feature = "gpu")]
     pub(super) fn table(&self) -> impl Iterator<Item = [Complex<f64>; 2]> + '_ {
         self.axes.iter().flat_map(|axis| axis.factors.iter().zip(&axis.slopes).map(|(f, s)| [*f, *s]))
     }
