@@ -60,7 +60,7 @@ impl<'a> Backend<'a> {
     /// # Errors
     /// As [`Optics::kernel`], and [`Error::Gpu`](crate::Error::Gpu) if the device cannot hold it.
     pub fn prepare(self, target: Target<'a>, optics: &Optics, headroom: f64) -> Result<Prepared<'a>> {
-        self.of(Plan::new(target, optics, headroom)?)
+        self.prepare_for_shifts(target, optics, headroom, 0.0)
     }
 
     /// The same with padding for shifts of up to `shift_px` beside that for the kernels, so that nothing that a shift

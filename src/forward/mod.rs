@@ -156,14 +156,9 @@ impl<'a> Engine<'a> {
         if self.model == Model::Traced {
             return Ok(Box::new(Replayed::new(target, state, self.tracing, scene as u64)?));
         }
+        let farthest = state.shift_px.map_or(0.0, |[x, y]| x.abs().max(y.abs()) + SHIFT_MARGIN_PX);
         let optics = self.optics(state.medium);
-        let filter = match state.shift_px {
-            Some([x, y]) => {
-                let farthest = x.abs().max(y.abs()) + SHIFT_MARGIN_PX;
-                self.backend.prepare_for_shifts(target, &optics, headroom, farthest)?
-            }
-            None => self.backend.prepare(target, &optics, headroom)?,
-        };
+        let filter = self.backend.prepare_for_shifts(target, &optics, headroom, farthest)?;
         Ok(Box::new(Filtered::new(self.model, filter)))
     }
 
