@@ -1,6 +1,7 @@
 //! What is determined where not everything is, and whether the measurements that are advised keep what they promise.
 
 use crate::common::estimates::{compare_all, status, std_error};
+use crate::common::planes::PLANE;
 use narrowbeam::filter::Filter;
 use narrowbeam::fit::noise::with_noise;
 use narrowbeam::fit::{
@@ -15,19 +16,12 @@ use narrowbeam::scene::{Gain, Noise, ObservedScene, Scene};
 use narrowbeam::spread::Model;
 use std::sync::LazyLock;
 
-static THIN: LazyLock<Setting> = LazyLock::new(|| Setting {
-    texture: Texture::Checker,
-    side: 48,
-    pixel_pitch: 0.03,
-    z: 2.0,
-    medium: Medium::gaussian(0.7, 0.15, 0.004).unwrap(),
-});
 /// tau 10, the kernel a fifth of the view wide.
 static THICK: LazyLock<Setting> = LazyLock::new(|| Setting {
     side: 96,
     pixel_pitch: 0.01,
     medium: Medium::gaussian(5.0, 0.1, 5e-4).unwrap(),
-    ..*THIN
+    ..*PLANE
 });
 /// Noise under which sigma_s and B of [`THICK`] are lost: the forecast standard error of their logarithms is .73.
 const MUCH_NOISE: f64 = 0.25;
@@ -138,11 +132,11 @@ fn a_free_gain_shows_what_reaches_the_camera_and_a_known_one_frees_absorption() 
         scene.observation.gain = Gain::Free;
         scene
     };
-    let truth = 1.7 * (-THIN.medium.sigma_a() * THIN.z).exp();
+    let truth = 1.7 * (-PLANE.medium.sigma_a() * PLANE.z).exp();
     let name = "gain·exp(-sigma_a z)";
     let (seeds, mut squares) = (20, 0.0);
     for seed in 0..seeds {
-        let scenes = [exposed(&THIN, 1.7, seed)];
+        let scenes = [exposed(&PLANE, 1.7, seed)];
         let fit = fit_scenes(&scenes, &Settings::default(), Filter::Auto, &|| ()).unwrap();
         assert_eq!(status(&fit.channels[0].1, Quantity::SigmaA), Status::Undetermined);
         let (value, error) = combination(&fit, name);
@@ -152,7 +146,7 @@ fn a_free_gain_shows_what_reaches_the_camera_and_a_known_one_frees_absorption() 
     // The mean square of 20 normal numbers has a standard deviation of sqrt(2 / 20): four of them up, half the error down.
     assert!((0.25..2.27).contains(&squares), "{squares}");
 
-    let scene = exposed(&THIN, 1.7, 1);
+    let scene = exposed(&PLANE, 1.7, 1);
     let alone = fit(std::slice::from_ref(&scene));
     show(&alone);
     assert!(!advice(&alone, "a second scene").frees);
@@ -160,9 +154,9 @@ fn a_free_gain_shows_what_reaches_the_camera_and_a_known_one_frees_absorption() 
     let mut known = scene.clone();
     known.observation.gain = Gain::Fixed(1.7);
     // The promise rests on a gain that is fitted with an absorption that is not known.
-    assert_kept(advice(&alone, "a known gain"), &fit(&[known]), &THIN, 0.05);
+    assert_kept(advice(&alone, "a known gain"), &fit(&[known]), &PLANE, 0.05);
     // A second scene with a gain of its own does not help, as was said.
-    let two = fit(&[scene, exposed(&nearer(*THIN), 0.8, 2)]);
+    let two = fit(&[scene, exposed(&nearer(*PLANE), 0.8, 2)]);
     assert_eq!(status(&two.channels[0].1, Quantity::SigmaA), Status::Undetermined);
     combination(&two, &format!("{name} of scene 1"));
     combination(&two, &format!("{name} of scene 2"));
@@ -174,32 +168,32 @@ fn a_nearly_flat_object_calls_for_a_sharper_one() {
     let plan = Plan { noise, free_gain: false, free_veil: false };
     // Mirrored, so that not even its rim is sharp.
     let shown = |object: Image| {
-        let mut scene = THIN.scene(object.clone(), None).unwrap();
+        let mut scene = PLANE.scene(object.clone(), None).unwrap();
         scene.scene.object[0].image = object;
         scene.scene.border = Border::Mirror;
         scene
     };
-    let flat = shown(Texture::NearlyFlat.image(THIN.side));
-    let predicted = ahead(&flat.scene, &THIN, plan);
+    let flat = shown(Texture::NearlyFlat.image(PLANE.side));
+    let predicted = ahead(&flat.scene, &PLANE, plan);
     show(&predicted);
     assert_eq!(status(&predicted.channels[0].1, Quantity::Phase), Status::Undetermined);
     let sharp_edges = advice(&predicted, "a target of sharp edges");
     assert_eq!(sharp_edges.measurement, predicted.report.advice[0].measurement);
     // The same mean in cells of 8 px.
-    let mean = Texture::NearlyFlat.image(THIN.side).mean() as f32;
-    let mut sharp = shown(Image::from_fn(THIN.side, THIN.side, |x, y| {
+    let mean = Texture::NearlyFlat.image(PLANE.side).mean() as f32;
+    let mut sharp = shown(Image::from_fn(PLANE.side, PLANE.side, |x, y| {
         if (x / 8 + y / 8) % 2 == 0 { 1.9 * mean } else { 0.1 * mean }
     }));
-    let clean = ahead(&sharp.scene, &THIN, plan).render(0).remove(0).image;
+    let clean = ahead(&sharp.scene, &PLANE, plan).render(0).remove(0).image;
     let observation = &mut sharp.observation;
     observation.image[0].image = with_noise(&clean, noise, 1);
     observation.noise = Some(Noise::Level(noise));
-    assert_kept(advice(&predicted, "a target of sharp edges"), &fit(&[sharp]), &THIN, 0.2);
+    assert_kept(advice(&predicted, "a target of sharp edges"), &fit(&[sharp]), &PLANE, 0.2);
 }
 
 #[test]
 fn where_all_is_determined_and_nothing_entangled_there_is_nothing_to_tell() {
-    let fit = fit(&[scene(&THIN, 0.002, 1)]);
+    let fit = fit(&[scene(&PLANE, 0.002, 1)]);
     assert!(fit.report.determined.is_empty() && fit.report.advice.is_empty());
     // In a thick medium sigma_s·b is known many times better than its parts, determined as they are.
     let fit = self::fit(&[scene(&THICK, 0.002, 1)]);
@@ -215,8 +209,8 @@ fn where_all_is_determined_and_nothing_entangled_there_is_nothing_to_tell() {
 #[test]
 fn what_direct_light_alone_shows_is_sigma_t() {
     let settings = Settings { model: Model::BeerLambert, ..Settings::default() };
-    let medium = THIN.medium.with_phase(Gaussian::new(0.2).unwrap().into());
-    let plane = Setting { medium, pixel_pitch: 1e-3, ..*THIN };
+    let medium = PLANE.medium.with_phase(Gaussian::new(0.2).unwrap().into());
+    let plane = Setting { medium, pixel_pitch: 1e-3, ..*PLANE };
     let image = plane.render(Model::BeerLambert).unwrap();
     let mut found = fit_scenes(
         &[plane.scene(with_noise(&image, 1e-3, 1), None).unwrap()],
@@ -234,7 +228,7 @@ fn what_direct_light_alone_shows_is_sigma_t() {
 
 #[test]
 fn a_promise_that_is_not_kept_is_noticed() {
-    let fit = fit(&[scene(&THIN, 0.002, 1)]);
+    let fit = fit(&[scene(&PLANE, 0.002, 1)]);
     let promise = |factor: f64| {
         let errors = fit.report.parameters.iter();
         AdviceReport {
@@ -245,6 +239,6 @@ fn a_promise_that_is_not_kept_is_noticed() {
             message: String::new(),
         }
     };
-    assert_kept(&promise(1.0), &fit, &THIN, 0.2);
-    assert!(std::panic::catch_unwind(|| assert_kept(&promise(1.3), &fit, &THIN, 0.2)).is_err());
+    assert_kept(&promise(1.0), &fit, &PLANE, 0.2);
+    assert!(std::panic::catch_unwind(|| assert_kept(&promise(1.3), &fit, &PLANE, 0.2)).is_err());
 }

@@ -1,26 +1,18 @@
 //! Intervals: by the covariance, by profile likelihood, by bootstrap, and what a forecast says of them beforehand.
 
 use crate::common::estimates::{compare, status, std_error};
+use crate::common::planes::PLANE;
 use narrowbeam::filter::Filter;
 use narrowbeam::fit::noise::with_noise;
 use narrowbeam::fit::{
     Draws, Intervals, Plan, SceneFit, Settings, Status, Ways, bootstrap, fit_scenes, forecast, profile,
 };
 use narrowbeam::forward::Quantity;
+use narrowbeam::lab::study::Setting;
 use narrowbeam::lab::study::calibration::{KnownNoise, cases};
-use narrowbeam::lab::study::{Setting, Texture};
 use narrowbeam::medium::Medium;
 use narrowbeam::scene::ObservedScene;
 use narrowbeam::spread::Model;
-use std::sync::LazyLock;
-
-static PLANE: LazyLock<Setting> = LazyLock::new(|| Setting {
-    texture: Texture::Checker,
-    side: 48,
-    pixel_pitch: 0.03,
-    z: 2.0,
-    medium: Medium::gaussian(0.7, 0.15, 0.004).unwrap(),
-});
 
 fn scene(plane: &Setting, noise: f64) -> ObservedScene {
     plane.scene(with_noise(&plane.render(Model::SmallAngle).unwrap(), noise, 3), Some(noise)).unwrap()

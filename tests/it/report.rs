@@ -1,9 +1,9 @@
 //! The report of a fit as a type and as a schema: `docs/fit.schema.json` is made from the types.
 
+use crate::common::bundled::dataset;
 use crate::common::program::succeeds;
 use crate::common::report::{conforms, read, schema, schema_path};
 use serde_json::{Value, json};
-use std::path::Path;
 
 /// `NARROWBEAM_UPDATE=1 cargo test --release --test it report::` writes it.
 #[test]
@@ -18,7 +18,7 @@ fn the_schema_that_is_kept_is_that_of_the_types() {
 /// A report of the program.
 fn report() -> Value {
     let folder = tempfile::tempdir().unwrap();
-    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("datasets/mitsuba-checker/scene.toml");
+    let scene = dataset("mitsuba-checker/scene.toml");
     let scene = scene.to_str().unwrap();
     let json = succeeds(folder.path(), &["fit", scene, "--model", "small-angle", "--json"]);
     read(&json);

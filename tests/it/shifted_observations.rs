@@ -1,5 +1,6 @@
 //! Observations that do not lie on the clear image: the shift is found, reported with its error, and does not bias the medium.
 
+use crate::common::bundled::dataset;
 use crate::common::program::{narrowbeam, refuses};
 use narrowbeam::filter::{Backend, Filter, moved};
 use narrowbeam::fit::{Fit, SceneFit, Settings, Status, fit_scenes};
@@ -101,8 +102,7 @@ fn renders_alone_find_the_shift_that_gram_matrices_begin_with() {
 /// A bundled scene whose observation is moved by `shift_px`, and cut to where nothing comes in from outside.
 fn moved_dataset(name: &str, shift_px: [f64; 2], registration: Registration) -> ObservedScene {
     const EDGE: usize = 12;
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("datasets").join(name).join("scene.toml");
-    let mut scene = ObservedScene::read(&path).unwrap();
+    let mut scene = ObservedScene::read(&dataset(name).join("scene.toml")).unwrap();
     let View { x, y, width, height } = scene.scene.view;
     let inner = View { x: EDGE, y: EDGE, width: width - 2 * EDGE, height: height - 2 * EDGE };
     let image: &mut Image = &mut scene.observation.image[0].image;

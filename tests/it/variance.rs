@@ -1,25 +1,15 @@
 //! Noise given as a variance image: traced images are fitted with the variance that was traced with them.
 
 use crate::common::estimates::{compare, compare_all, std_error};
+use crate::common::planes::PLANE;
 use crate::common::program::write_exr;
 use narrowbeam::filter::Filter;
 use narrowbeam::fit::{ChannelFit, Settings, fit_scenes};
 use narrowbeam::forward::Quantity;
 use narrowbeam::image::Image;
-use narrowbeam::lab::study::{Setting, Texture};
-use narrowbeam::medium::Medium;
 use narrowbeam::scene::ObservedScene;
 use narrowbeam::spread::Model;
-use std::sync::LazyLock;
 use tempfile::TempDir;
-
-static PLANE: LazyLock<Setting> = LazyLock::new(|| Setting {
-    texture: Texture::Checker,
-    side: 48,
-    pixel_pitch: 0.03,
-    z: 2.0,
-    medium: Medium::gaussian(0.7, 0.15, 0.004).unwrap(),
-});
 
 const SCENE: &str = "[object]
 radiance = \"object.exr\"

@@ -3,6 +3,7 @@
 
 pub mod bundled;
 pub mod estimates;
+pub mod planes;
 pub mod program;
 pub mod recovery;
 pub mod report;
