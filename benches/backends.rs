@@ -21,7 +21,7 @@ use common::fft_seconds;
 use narrowbeam::filter::{Backend, Filter, Optics, Prepared, Target};
 use narrowbeam::geometry::Geometry;
 use narrowbeam::gpu::Gpu;
-use narrowbeam::image::{Border, Image, View};
+use narrowbeam::image::{Border, Image, Sampling, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::Gaussian;
 use narrowbeam::spread::Model;
@@ -109,6 +109,7 @@ impl Scene {
             behind: &[],
             geometry: &self.geometry,
             border: Border::Zero,
+            sampling: Sampling::Pixel,
             view,
             relief: relief.as_ref(),
         };

@@ -15,7 +15,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use narrowbeam::filter::cpu::CpuFilter;
 use narrowbeam::filter::{Filter, Optics, Target};
 use narrowbeam::geometry::{Field, Geometry};
-use narrowbeam::image::{Border, Image, View};
+use narrowbeam::image::{Border, Image, Sampling, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Gaussian, b_of_spread_angle};
 use narrowbeam::spread::Model;
@@ -82,6 +82,7 @@ fn filter(c: &mut Criterion) {
             behind: &[],
             geometry: &scene.geometry,
             border: Border::Zero,
+            sampling: Sampling::Pixel,
             view: View::whole(width, height),
             relief: None,
         };
@@ -119,6 +120,7 @@ fn against_eq29(name: &str, geometry: &Geometry, optics: &Optics) -> String {
         behind: &[],
         geometry,
         border: Border::Zero,
+        sampling: Sampling::Pixel,
         view: View::whole(geometry.width, geometry.height),
         relief: None,
     };

@@ -18,7 +18,7 @@ use narrowbeam::filter::{Optics, Target};
 use narrowbeam::fit::{ChannelFit, HEADROOM, Observation, Parameters, Settings, fit_channel};
 use narrowbeam::forward::Quantity;
 use narrowbeam::geometry::Geometry;
-use narrowbeam::image::{Border, Image, View};
+use narrowbeam::image::{Border, Image, Sampling, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::b_of_spread_angle;
 use narrowbeam::scene::{FitOptions, ParameterOptions};
@@ -56,6 +56,7 @@ fn fit(c: &mut Criterion) {
             behind: &[],
             geometry: &geometry,
             border: Border::Zero,
+            sampling: Sampling::Pixel,
             view,
             relief: None,
         };

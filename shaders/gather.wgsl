@@ -46,7 +46,7 @@ const TILE: u32 = 16u;
 // Of the slices, then of the light from farther occluders, then of the divisor.
 @group(0) @binding(1) var<storage, read> records: array<Record>;
 @group(0) @binding(2) var<storage, read> tables: array<vec4f>;
-// For each frequency across, then down: (w, sinc², -, -) and 8 basis values.
+// For each frequency across, then down: (w, what both pixels leave, -, -) and 8 basis values.
 @group(0) @binding(3) var<storage, read> axes: array<vec4f>;
 @group(0) @binding(4) var<storage, read> spectra: array<vec2f>;
 // Image and first derivative, second and third, as one complex transform each; first what is carried, then the result.

@@ -39,6 +39,30 @@ impl Image {
     }
 }
 
+/// What lies between the pixels of a clear image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Sampling {
+    /// Radiance is constant over a pixel, and an observed pixel is the mean over its area: pixel art, renders whose texels are
+    /// pixels.
+    #[default]
+    Pixel,
+    /// Both images hold no frequency beyond half of one a pixel, lens and pixel having averaged them alike: photographs.
+    Bandlimited,
+}
+
+impl Sampling {
+    /// All of them.
+    pub const ALL: [Sampling; 2] = [Sampling::Pixel, Sampling::Bandlimited];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Sampling::Pixel => "pixel",
+            Sampling::Bandlimited => "bandlimited",
+        }
+    }
+}
+
 /// A rectangle of an image: its top left corner and its size, px.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct View {

@@ -12,6 +12,7 @@ mod layers;
 mod medium;
 mod observation;
 mod read;
+mod sampling;
 mod source;
 mod variance;
 
@@ -19,7 +20,7 @@ pub use medium::read_truth;
 
 use crate::geometry::Geometry;
 use crate::illumination::{Bottom, Shading, Sun};
-use crate::image::{Border, Channel, Image, View};
+use crate::image::{Border, Channel, Image, Sampling, View};
 use crate::phase::Family;
 use std::path::PathBuf;
 
@@ -38,6 +39,10 @@ pub struct Scene {
     pub depth_error: f64,
     /// What lies outside the object image.
     pub border: Border,
+    /// What lies between the pixels of the object image.
+    pub sampling: Sampling,
+    /// Whether that was stated, or shows in the image.
+    pub sampling_is_known: bool,
     /// The part of the object image that is observed, rendered or traced.
     pub view: View,
     /// What `[medium]` says, one for each object channel; see [`Scene::media`].

@@ -74,6 +74,7 @@ pub fn synthesize(
             behind: &scene.behind[i],
             geometry: &scene.geometry,
             border: scene.border,
+            sampling: scene.sampling,
             view: scene.view,
             relief: relief.as_ref(),
         };

@@ -56,6 +56,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
             behind,
             geometry: &scene.geometry,
             border: scene.border,
+            sampling: scene.sampling,
             view: scene.view,
             relief: relief.as_ref(),
         };

@@ -10,7 +10,7 @@ use super::slices::{Node, Slices};
 use super::{Optics, Target};
 use crate::error::Result;
 use crate::geometry::Camera;
-use crate::image::{Image, View};
+use crate::image::{Image, Sampling, View};
 use crate::spread::Dual;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -60,7 +60,12 @@ impl<'a> Basis<'a> {
             planes.iter_mut().zip(&latest.1).for_each(|(plane, weight)| plane[i] = *weight as f32 * light);
         }
         let side = target.radiance.width.max(target.radiance.height);
-        Some(Self { target, slices, mixture: GaussianMixture::new(WIDEST * side as f64), planes })
+        Some(Self {
+            target,
+            slices,
+            mixture: GaussianMixture::new(WIDEST * side as f64, target.sampling),
+            planes,
+        })
     }
 
     /// Number of images.
@@ -112,7 +117,10 @@ impl<'a> Basis<'a> {
         let each = |i: usize| {
             let widths = self.mixture.widths();
             let (plane, width) = (&self.planes[i / widths.len()], widths[i % widths.len()]);
-            Blur::new(plane, size, target.border, target.view, width)
+            match target.sampling {
+                Sampling::Pixel => Blur::new(plane, size, target.border, target.view, width),
+                Sampling::Bandlimited => Blur::bandlimited(plane, target, width),
+            }
         };
         Images { view: target.view, blurs: (0..self.count()).into_par_iter().map(each).collect() }
     }

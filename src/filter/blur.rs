@@ -7,6 +7,8 @@
 //! A wide blur goes by way of a coarse grid, as two of half the variance each: L -> C = Y₁ L X₁ᵀ on a grid of step d, and
 //! E = Y₂ C X₂ᵀ. Sampling leaves exp(-(2 pi/d)² sigma²/8) of it, d being chosen so that this is 3e-7.
 
+use super::Target;
+use super::canvas::Canvas;
 use crate::image::{Border, View};
 use libm::erfc;
 use std::borrow::Cow;
@@ -19,6 +21,9 @@ const FINE: f64 = 2.0;
 const STEP: f64 = 1.0 / 1.75;
 /// Standard deviations beyond which a Gaussian ends: 6e-7 of its light.
 const REACH: f64 = 5.0;
+
+/// Padding for band-limited Gaussians up to that width, whose rings fall like 1/u².
+const FINE_REACH: f64 = 32.0;
 
 /// Rows of the view that are computed together.
 pub const STRIP: usize = 16;
@@ -103,14 +108,55 @@ pub struct Blur<'a> {
 impl<'a> Blur<'a> {
     /// The blur of `image`, `size` [width, height] large, by a Gaussian of `width` px, to be seen over `view`.
     pub fn new(image: &'a [f32], size: [usize; 2], border: Border, view: View, width: f64) -> Self {
+        let pixels = if width <= FINE { width } else { width * FRAC_1_SQRT_2 };
+        Self::by(image, size, (border, view), width, |u, n| between_pixels(pixels, u, n))
+    }
+
+    /// The same of an `image` the size of the object of `target` that is band-limited, as it is when blurred: nothing is
+    /// averaged over pixels.
+    pub(super) fn bandlimited(image: &'a [f32], target: &Target, width: f64) -> Self {
+        let size = [target.radiance.width, target.radiance.height];
+        if width > FINE {
+            // Sampled once a pixel, the half of such a Gaussian has 5e-5 of its height where its aliases begin.
+            let half = width * FRAC_1_SQRT_2;
+            let taps = |u: f64, n: usize| (0..n).map(|i| gaussian(half, u + i as f64)).collect();
+            return Self::by(image, size, (target.border, target.view), width, taps);
+        }
+        let canvas = Canvas::new(target, FINE_REACH);
+        let mut padded = vec![0.0; canvas.pixels()];
+        for (j, row) in padded.chunks_mut(canvas.fft.width).enumerate() {
+            canvas.row(j).for_each(|place| row[place.x] = image[place.of]);
+        }
+        let mut spectrum = canvas.fft.forward(padded);
+        let [across, down] = &canvas.axes;
+        for (column, wx) in spectrum.chunks_mut(canvas.fft.height).zip(&across.w) {
+            let n = column.len();
+            for (ky, value) in column.iter_mut().enumerate() {
+                let wy = down.w[ky.min(n - ky)];
+                *value *= (-0.5 * width * width * (wx * wx + wy * wy)).exp() as f32;
+            }
+        }
+        let seen = canvas.crop(&canvas.fft.inverse(spectrum), target.view);
+        let same = |n: usize| Band { rows: (0..n).map(|i| (i, vec![1.0])).collect() };
+        let View { width, height, .. } = target.view;
+        Self { inner: Cow::Owned(seen.data), inner_width: width, across: same(width), down: same(height) }
+    }
+
+    /// The blur of `image` by a Gaussian of `width` px, of which `taps(u, n)` are the weights of the pixels at u, u + 1, …; of
+    /// half its variance, if it goes by way of the coarse grid.
+    fn by(
+        image: &'a [f32],
+        size: [usize; 2],
+        (border, view): (Border, View),
+        width: f64,
+        taps: impl Fn(f64, usize) -> Vec<f64> + Sync,
+    ) -> Self {
         let seen = [(view.x, view.width), (view.y, view.height)];
         if width <= FINE {
             let band = |axis: usize| {
                 let (start, length) = seen[axis];
                 let positions = (start..start + length).map(|i| i as f64);
-                Band::new(positions, (size[axis], border), REACH * width + 1.0, |u, n| {
-                    between_pixels(width, u, n)
-                })
+                Band::new(positions, (size[axis], border), REACH * width + 1.0, &taps)
             };
             let (across, down) = (band(0), band(1));
             return Self { inner: Cow::Borrowed(image), inner_width: size[0], across, down };
@@ -122,12 +168,11 @@ impl<'a> Blur<'a> {
             let origin = start as f64 - reach;
             let count = ((length as f64 + 2.0 * reach) / step).ceil() as usize + 1;
             let grid = (0..count).map(|i| origin + i as f64 * step);
-            let inward =
-                Band::new(grid, (size[axis], border), reach + 1.0, |u, n| between_pixels(half, u, n));
+            let inward = Band::new(grid, (size[axis], border), reach + 1.0, &taps);
             let places = (start..start + length).map(|i| (i as f64 - origin) / step);
-            let taps =
+            let outward =
                 |u: f64, n: usize| (0..n).map(|i| step * gaussian(half, step * (u + i as f64))).collect();
-            (inward, Band::new(places, (count, Border::Zero), reach / step, taps))
+            (inward, Band::new(places, (count, Border::Zero), reach / step, outward))
         };
         let ((inward_x, across), (inward_y, down)) = rayon::join(|| bands(0), || bands(1));
         let (columns, rows) = (inward_x.rows.len(), inward_y.rows.len());

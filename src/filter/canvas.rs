@@ -2,9 +2,9 @@
 
 use super::Target;
 use super::fft2::{Fft2, fast_size};
-use super::footprint::sinc2;
+use super::footprint::pixel_factor;
 use super::tables::{AliasTable, Basis};
-use crate::image::{Border, Image, View};
+use crate::image::{Border, Image, Sampling, View};
 use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 use std::f64::consts::PI;
@@ -23,6 +23,7 @@ pub(super) struct Canvas {
     pub axes: [Axis; 2],
     pub padded: [Padded; 2],
     pub object: [usize; 2],
+    pub sampling: Sampling,
     /// For each column and row of the canvas what it shows of the object image, and the factor of slopes there.
     shown: [Vec<Option<(usize, f32)>>; 2],
 }
@@ -43,7 +44,7 @@ impl Canvas {
         let object = [target.radiance.width, target.radiance.height];
         let padded = object.map(|n| padded(n, target.border, reach_px.min(most_reach(target))));
         let fft = Fft2::new(padded[0].size, padded[1].size);
-        let axes = padded.map(|p| Axis::new(p.size));
+        let axes = padded.map(|p| Axis::new(p.size, target.sampling));
         let border = target.border;
         let shown = [0, 1].map(|axis| {
             let (n, Padded { size, margin }) = (object[axis], padded[axis]);
@@ -53,7 +54,7 @@ impl Canvas {
             };
             (0..size).map(shows).collect()
         });
-        Self { fft, axes, padded, object, shown }
+        Self { fft, axes, padded, object, sampling: target.sampling, shown }
     }
 
     pub(super) fn pixels(&self) -> usize {
@@ -145,14 +146,15 @@ pub(super) fn padded(n: usize, border: Border, reach_px: f64) -> Padded {
 /// The frequencies 0 to pi rad/px of one axis, and what the transfer function needs at each.
 pub(super) struct Axis {
     pub w: Vec<f64>,
-    pub sinc2: Vec<f32>,
+    /// What both pixels leave of it.
+    pub pixel: Vec<f32>,
     pub basis: Vec<Basis>,
 }
 
 impl Axis {
-    fn new(n: usize) -> Self {
+    fn new(n: usize, sampling: Sampling) -> Self {
         let w: Vec<f64> = (0..=n / 2).map(|i| 2.0 * PI * i as f64 / n as f64).collect();
-        let sinc2 = w.iter().map(|&w| sinc2(w, 0) as f32).collect();
-        Self { w, sinc2, basis: AliasTable::basis(n) }
+        let pixel = w.iter().map(|&w| pixel_factor(w, 0.0, sampling) as f32).collect();
+        Self { w, pixel, basis: AliasTable::basis(n) }
     }
 }

@@ -18,11 +18,11 @@
 //! A further layer's pixel is a source if nothing lies before it, or an opaque pixel between it and what does.
 
 use super::fft2::{Fft2, fast_size};
-use super::footprint::{aliases, baseband, sinc2};
+use super::footprint::{pixel_factor, transfer};
 use super::{Optics, Target};
 use crate::error::{Error, Result, in_range};
 use crate::geometry::Camera;
-use crate::image::Border;
+use crate::image::{Border, Sampling};
 use crate::relief::Relief;
 use crate::spread::SpreadKernel;
 use rayon::prelude::*;
@@ -119,6 +119,7 @@ struct Lattice {
     width: usize,
     height: usize,
     pitch: f64,
+    sampling: Sampling,
 }
 
 /// Weights of a source's light and of its light times its slope along x and y, each row-major over all offsets.
@@ -129,7 +130,12 @@ impl Lattice {
         let farthest = sources.iter().map(|s| s.z).fold(f64::MIN_POSITIVE, f64::max);
         let reach = (optics.kernel(farthest)?.support(OUTSIDE) / pitch).ceil() as usize;
         let size = |n: usize| fast_size(n + reach.max(n));
-        Ok(Self { width: size(target.radiance.width), height: size(target.radiance.height), pitch })
+        Ok(Self {
+            width: size(target.radiance.width),
+            height: size(target.radiance.height),
+            pitch,
+            sampling: target.sampling,
+        })
     }
 
     /// Light of `sources` on every pixel at the path length `occluder`, or at the camera.
@@ -172,7 +178,7 @@ impl Lattice {
         let light = self.transfer(kernel);
         let slope = self.frequencies(|wx, wy| {
             let w = wx.hypot(wy);
-            let pixels = sinc2(wx, 0) * sinc2(wy, 0);
+            let pixels = pixel_factor(wx, wy, self.sampling);
             if w > 0.0 { pixels * kernel.mean_slope(w / self.pitch, 0.0).value / (w * w) } else { 0.0 }
         });
         let derivative = |i: usize, n: usize| match 2 * i {
@@ -194,11 +200,7 @@ impl Lattice {
     /// Pixel transfer function T + s̃.
     fn transfer(&self, kernel: &dyn SpreadKernel) -> Vec<f64> {
         let direct = kernel.direct().value;
-        self.frequencies(|wx, wy| {
-            let [first, others] =
-                [baseband(kernel, self.pitch, wx, wy), aliases(kernel, self.pitch, wx, wy, REACH)];
-            direct + first.value + others.value
-        })
+        self.frequencies(|wx, wy| direct + transfer(kernel, self.pitch, [wx, wy], self.sampling, REACH).value)
     }
 
     /// A function of |wx| and |wy| (rad/px) at all frequencies of half a spectrum, those along y contiguous.

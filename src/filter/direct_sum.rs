@@ -1,7 +1,7 @@
 //! The definition: eq. 29 summed pixel by pixel in real space, in f64.
 
 use super::per_depth::{pixels_by_node, pixels_by_obliquity};
-use super::unit_cells::UnitCells;
+use super::pixel_weights::PixelWeights;
 use super::{Optics, Target};
 use crate::error::{Error, Result};
 use crate::image::Border;
@@ -35,14 +35,15 @@ pub fn render(target: &Target, optics: &Optics) -> Result<Vec<f64>> {
         .map(|((node, pixels), (obliquity, seen))| {
             let node = obliquity.scaled(*node);
             let kernel = optics.kernel(node.z)?;
-            let cells = UnitCells::new(&*kernel, node.pitch, side + around as usize + 2);
+            let weights =
+                PixelWeights::new(&*kernel, node.pitch, side + around as usize + 2, target.sampling);
             let mut image = vec![0.0; view.pixels()];
             for &(x, y, light) in &sources(target, pixels, around) {
                 for &i in seen {
                     let dx = ((view.x + i % view.width) as i64).abs_diff(x) as usize;
                     let dy = ((view.y + i / view.width) as i64).abs_diff(y) as usize;
                     let unscattered = if dx == 0 && dy == 0 { kernel.direct().value } else { 0.0 };
-                    image[i] += (unscattered + cells.weight(dx, dy)) * light;
+                    image[i] += (unscattered + weights.at(dx, dy)) * light;
                 }
             }
             Ok(image)

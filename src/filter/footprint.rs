@@ -5,6 +5,7 @@
 //! sampling a kernel averaged over two pixels. s falls only like 1/w, so the aliases count: without them a kernel
 //! of one pixel's width biases sigma_s by 10 %.
 
+use crate::image::Sampling;
 use crate::spread::{Dual, SpreadKernel};
 use std::f64::consts::PI;
 
@@ -57,9 +58,27 @@ pub fn aliases(kernel: &dyn SpreadKernel, pitch: f64, wx: f64, wy: f64, reach: i
 const RINGS: usize = 21;
 const RING_GROWTH: f64 = 1.259_921;
 
-/// s̃ at (`wx`, `wy`) rad/px without its aliases: s sinc² sinc².
-pub fn baseband(kernel: &dyn SpreadKernel, pitch: f64, wx: f64, wy: f64) -> Dual {
-    sinc2(wx, 0) * sinc2(wy, 0) * at(kernel, pitch, wx, wy)
+/// s̃ at (`wx`, `wy`) rad/px, aliases up to `reach` one by one; s itself between band-limited images.
+pub fn transfer(
+    kernel: &dyn SpreadKernel,
+    pitch: f64,
+    [wx, wy]: [f64; 2],
+    sampling: Sampling,
+    reach: i32,
+) -> Dual {
+    let s = at(kernel, pitch, wx, wy);
+    match sampling {
+        Sampling::Pixel => pixel_factor(wx, wy, sampling) * s + aliases(kernel, pitch, wx, wy, reach),
+        Sampling::Bandlimited => s,
+    }
+}
+
+/// What both pixels leave of the frequency (`wx`, `wy`) rad/px: sinc² sinc²; all of it between band-limited images.
+pub fn pixel_factor(wx: f64, wy: f64, sampling: Sampling) -> f64 {
+    match sampling {
+        Sampling::Pixel => sinc2(wx, 0) * sinc2(wy, 0),
+        Sampling::Bandlimited => 1.0,
+    }
 }
 
 #[cfg(test)]

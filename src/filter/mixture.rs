@@ -9,6 +9,7 @@
 //! How dense the widths must lie follows from the kernels' bandwidth in ln w: the Mellin transform of a Gaussian falls
 //! like exp(-pi omega/4), and widths that grow by the ratio q resolve omega up to pi/ln q.
 
+use crate::image::Sampling;
 use crate::spread::Dual;
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
@@ -45,8 +46,8 @@ fn importance(w: f64) -> f64 {
 }
 
 impl GaussianMixture {
-    /// The mixture up to the width `widest` px.
-    pub fn new(widest: f64) -> Self {
+    /// The mixture up to the width `widest` px, for images of this sampling.
+    pub fn new(widest: f64, sampling: Sampling) -> Self {
         let wide = (0..).map(|i| NARROW * RATIO.powi(i)).take_while(|&s| s < widest * RATIO);
         let mut widths = vec![0.0, 0.5 * NARROW];
         widths.extend(wide);
@@ -64,7 +65,8 @@ impl GaussianMixture {
         let svd = gaussians.clone().svd(true, true);
         let cut = LEAST_SINGULAR * svd.singular_values.max();
         let fit = svd.pseudo_inverse(cut).expect("both sets of singular vectors were asked for") * &counted;
-        let shown = DMatrix::from_fn(widths.len(), mixture.len(), |i, j| shown(&widths, i, mixture[j]));
+        let shown =
+            DMatrix::from_fn(widths.len(), mixture.len(), |i, j| shown(&widths, i, mixture[j], sampling));
         Self { weights: shown * &fit, errors: gaussians * fit - counted, widths, grid }
     }
 
@@ -102,13 +104,18 @@ impl GaussianMixture {
 }
 
 /// Share that the image of width `widths[i]` has in that of a Gaussian of `width`.
-fn shown(widths: &[f64], i: usize, width: f64) -> f64 {
+fn shown(widths: &[f64], i: usize, width: f64, sampling: Sampling) -> f64 {
     if width >= NARROW {
         return f64::from(u8::from(widths[i] == width));
     }
     if i > 2 {
         return 0.0;
     }
-    let others = (0..3).filter(|&n| n != i);
-    others.map(|n| (width - widths[n]) / (widths[i] - widths[n])).product()
+    // Between band-limited images exp(-(sigma w)²/2) is smooth in sigma²: 2e-4 off at the highest frequency of an axis.
+    let variable = |width: f64| match sampling {
+        Sampling::Pixel => width,
+        Sampling::Bandlimited => width * width,
+    };
+    let (x, at) = (variable(width), |n: usize| variable(widths[n]));
+    (0..3).filter(|&n| n != i).map(|n| (x - at(n)) / (at(i) - at(n))).product()
 }

@@ -8,6 +8,9 @@
 //! averaged over pixel x. Its transform is the scattered transfer function times sinc² in each axis, summed over
 //! all its aliases ([`footprint`]).
 //!
+//! A photograph is otherwise ([`Sampling::Bandlimited`]): lens and pixel have averaged both images alike, and cancel. The
+//! transform of w_j is then the scattered transfer function itself below half a cycle a pixel, without aliases.
+//!
 //! Four implementations, each tested against the one before: [`direct_sum`], the definition in real space, f64;
 //! [`per_depth`], one f64 FFT for each distinct depth; [`cpu`], f32 FFTs of a few depth slices; [`gpu`], the same on a
 //! graphics adapter.
@@ -38,6 +41,7 @@ mod moved;
 mod obliquity;
 #[doc(hidden)]
 pub mod per_depth;
+mod pixel_weights;
 mod plan;
 mod registration;
 mod shift;
@@ -53,13 +57,13 @@ mod unit_cells;
 pub use backend::{Backend, Prepared};
 pub use cpu::Rendering;
 pub use hidden::hidden_share;
-pub use moved::moved;
+pub use moved::{motion, moved};
 pub use plan::{CUT, Coverage};
 pub use registration::coarse_shift;
 
 use crate::error::Result;
 use crate::geometry::Geometry;
-use crate::image::{Border, Image, View};
+use crate::image::{Border, Image, Sampling, View};
 use crate::medium::Medium;
 use crate::relief::Relief;
 use crate::spread::{Model, SpreadKernel};
@@ -75,6 +79,8 @@ pub struct Target<'a> {
     pub geometry: &'a Geometry,
     /// What lies outside the object image.
     pub border: Border,
+    /// What lies between the pixels of the object image.
+    pub sampling: Sampling,
     /// The observed part of the object image.
     pub view: View,
     /// Edges and slopes of the object to be reckoned with; without them every pixel's light spreads freely.

@@ -5,14 +5,14 @@
 
 use super::canvas::{Padded, nearest, padded};
 use super::fft2::Fft2;
-use super::footprint::{aliases, baseband};
+use super::footprint::transfer;
 use super::obliquity::Obliquity;
 use super::shift::Shift;
 use super::slices::Node;
 use super::sources::layers;
 use super::{Optics, Target};
 use crate::error::Result;
-use crate::image::View;
+use crate::image::{Sampling, View};
 use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 use std::collections::BTreeMap;
@@ -49,6 +49,7 @@ struct Canvas {
     fft: Fft2<f64>,
     /// Across and down.
     padded: [Padded; 2],
+    sampling: Sampling,
     /// For each column and row the object's that it shows.
     shown: [Vec<Option<usize>>; 2],
 }
@@ -69,7 +70,7 @@ impl Canvas {
             let Padded { size, margin } = padded[axis];
             (0..size).map(|i| target.border.index(i as i64 - margin as i64, object[axis])).collect()
         });
-        Ok(Self { fft: Fft2::new(padded[0].size, padded[1].size), padded, shown })
+        Ok(Self { fft: Fft2::new(padded[0].size, padded[1].size), padded, sampling: target.sampling, shown })
     }
 
     /// What `value` has for the object pixel (x, y) that each pixel shows, 0 where it shows none.
@@ -125,8 +126,7 @@ impl Canvas {
                     let wx = 2.0 * PI * kx as f64 / fft.width as f64;
                     for ky in 0..=fft.height / 2 {
                         let wy = 2.0 * PI * ky as f64 / fft.height as f64;
-                        let transfer = baseband(&*kernel, node.pitch, wx, wy).value
-                            + aliases(&*kernel, node.pitch, wx, wy, REACH).value;
+                        let transfer = transfer(&*kernel, node.pitch, [wx, wy], self.sampling, REACH).value;
                         out[ky] += spectrum[ky] * transfer;
                         if ky > 0 && 2 * ky < fft.height {
                             out[fft.height - ky] += spectrum[fft.height - ky] * transfer;

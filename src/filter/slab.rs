@@ -153,7 +153,7 @@ impl Slab {
             sloping.then_some(self.divergence),
             carried.map(|c| c.node),
             self.occluder.as_ref().map(|mask| mask.node),
-            (optics, obliquity),
+            (optics, obliquity, canvas.sampling),
         )?;
 
         let (half, height) = (canvas.fft.half_width(), canvas.fft.height);
@@ -174,7 +174,7 @@ impl Slab {
                 let w = (across.w[kx].powi(2) + down.w[ky].powi(2)).sqrt();
                 let at = Frequency {
                     w,
-                    weight: across.sinc2[kx] * down.sinc2[ky],
+                    weight: across.pixel[kx] * down.pixel[ky],
                     basis: &down.basis[ky],
                     scale: divisor.as_ref().map_or([1.0, 0.0, 0.0, 0.0], |(d, _)| d.scale(w)),
                 };

@@ -48,6 +48,11 @@ impl AliasTable {
         Self { values }
     }
 
+    /// The table of images that have no aliases.
+    pub fn none() -> Self {
+        Self { values: [[[0.0; 4]; NODES]; NODES] }
+    }
+
     /// The table along the line of constant wx whose basis values are `basis_x`.
     pub fn line(&self, basis_x: &Basis) -> AliasLine {
         let mut line = [[0.0; 4]; NODES];

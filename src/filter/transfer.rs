@@ -16,6 +16,7 @@ use super::obliquity::Obliquity;
 use super::slices::Node;
 use super::tables::{AliasLine, AliasTable, Basis, Lanes, RadialTable, lanes};
 use crate::error::Result;
+use crate::image::Sampling;
 use crate::spread::{Dual, SpreadKernel};
 use rayon::prelude::*;
 use rustfft::num_complex::Complex;
@@ -48,15 +49,16 @@ const NOTHING: f64 = 1e-30;
 pub(super) struct Unit {
     occluder: Option<(Box<dyn SpreadKernel>, f64)>,
     scale: f64,
+    sampling: Sampling,
 }
 
 impl Unit {
-    pub(super) fn new(occluder: Option<Node>, optics: &Optics) -> Result<Self> {
-        let Some(node) = occluder else { return Ok(Self { occluder: None, scale: 1.0 }) };
+    pub(super) fn new(occluder: Option<Node>, optics: &Optics, sampling: Sampling) -> Result<Self> {
+        let Some(node) = occluder else { return Ok(Self { occluder: None, scale: 1.0, sampling }) };
         let kernel = optics.kernel(node.z)?;
         let least = (NOTHING * kernel.mtf(0.0).value).max(f64::MIN_POSITIVE);
         let scale = kernel.direct().value.max(least);
-        Ok(Self { occluder: Some((kernel, node.pitch)), scale })
+        Ok(Self { occluder: Some((kernel, node.pitch)), scale, sampling })
     }
 
     /// M at `w` rad/px, never less than the scale.
@@ -100,7 +102,10 @@ impl Transfer {
             baseband: table(&|k| kernel.scattered_transfer(k)),
             slope_correction: slope
                 .map(|slope| table(&|k| slope.steepness * kernel.mean_slope(k, slope.nearness))),
-            aliases: AliasTable::new(&*kernel, node.pitch, unit.scale),
+            aliases: match unit.sampling {
+                Sampling::Pixel => AliasTable::new(&*kernel, node.pitch, unit.scale),
+                Sampling::Bandlimited => AliasTable::none(),
+            },
             direct: lanes(&Dual { value: direct, gradient: [-way * direct, -way * direct, 0.0] }),
             unscattered: lanes(&(1.0 / unit.scale * kernel.direct())),
         })
@@ -146,10 +151,10 @@ impl Way {
         divergence: Option<f64>,
         farther: Option<Node>,
         occluder: Option<Node>,
-        (optics, obliquity): (&Optics, Obliquity),
+        (optics, obliquity, sampling): (&Optics, Obliquity, Sampling),
     ) -> Result<Self> {
         let occluder = occluder.map(|node| obliquity.scaled(node));
-        let unit = Unit::new(occluder, optics)?;
+        let unit = Unit::new(occluder, optics, sampling)?;
         let slope = |node: &Node| {
             divergence.map(|divergence| Slope {
                 nearness: (divergence * node.z / node.pitch).min(1.0),
@@ -171,7 +176,7 @@ impl Way {
 pub(super) struct Frequency<'a> {
     /// |w|, rad/px.
     pub w: f64,
-    /// sinc² sinc².
+    /// What both pixels leave: sinc² sinc², or 1.
     pub weight: f32,
     /// Basis of the aliases along y.
     pub basis: &'a Basis,

@@ -23,15 +23,18 @@ mod settings;
 
 pub use channel::fit_channel;
 pub use design::{Advice, Plan, add_advice, advise, forecast};
-pub use inference::{ChannelFit, Combination, Covariance, ExposureEstimate, InputError, ModelError, Status};
+pub use inference::{
+    Cause, ChannelFit, Combination, Covariance, ErrorSource, ExposureEstimate, Finding, InputError,
+    ModelError, Status,
+};
 pub use interval::{Draws, Intervals, bootstrap, profile};
 pub use observation::{NoiseTerm, Observation, VeilTerm, white_noise as noise};
 pub use optimise::{HEADROOM, PathsUsed};
 pub use parameters::{Bounds, Coordinate, Descriptor, Id, Parameter, Parameters, Role};
 pub use report::{
-    AdviceReport, BackendReport, Candidate, Derived, Determined, Estimate, ExposureReport, Fit, Regime,
-    RegistrationErrors, RegistrationReport, Severity, Summary, Term, TracedSummary, Warning, WarningCode,
-    Ways,
+    AdviceReport, BackendReport, Candidate, Derived, Determined, DiagnosisReport, Estimate, ExposureReport,
+    Fit, Regime, RegistrationErrors, RegistrationReport, Severity, Summary, Term, TracedSummary, Warning,
+    WarningCode, Ways,
 };
 pub use scenes::{SceneFit, check_scenes, fit_scenes};
 pub use select::{SEQUENCE, select};

@@ -158,6 +158,7 @@ fn observation<'a>(seen: &'a ObservedScene, relief: Option<&'a Relief>, i: usize
             behind: &scene.behind[i],
             geometry: &scene.geometry,
             border: scene.border,
+            sampling: scene.sampling,
             view: scene.view,
             relief,
         },
@@ -177,5 +178,6 @@ fn observation<'a>(seen: &'a ObservedScene, relief: Option<&'a Relief>, i: usize
             Veil::Free => VeilTerm::Free,
         },
         registration: observation.registration,
+        sampling_is_known: scene.sampling_is_known,
     }
 }

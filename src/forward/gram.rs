@@ -11,7 +11,7 @@ use super::quantity::{Quantity, State};
 use crate::error::Result;
 use crate::filter::basis::{Basis, Images, combination};
 use crate::filter::blur::{Lane, dot};
-use crate::filter::{Coverage, Optics, Target};
+use crate::filter::{Coverage, Optics, Rendering, Target};
 use crate::image::Image;
 use crate::spread::{Dual, Model};
 use nalgebra::DMatrix;
@@ -64,6 +64,17 @@ impl ForwardModel for GramModel<'_> {
     fn image(&self, state: &State) -> Result<Image> {
         let weights: Vec<f64> = self.weights(state)?.iter().map(|weight| weight.value).collect();
         Ok(combination(&weights, &self.basis.all_images()))
+    }
+
+    fn rendering(&self, state: &State) -> Result<Rendering> {
+        let (weights, images) = (self.weights(state)?, self.basis.all_images());
+        let slope = |axis: usize| {
+            let slopes: Vec<f64> = weights.iter().map(|weight| weight.gradient[axis]).collect();
+            combination(&slopes, &images)
+        };
+        let gradient = Some([0, 1, 2].map(slope));
+        let values: Vec<f64> = weights.iter().map(|weight| weight.value).collect();
+        Ok(Rendering { image: combination(&values, &images), gradient, motion: None })
     }
 
     fn products(&self, state: &State, _pixels: &Pixels) -> Result<Products> {

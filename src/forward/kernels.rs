@@ -49,7 +49,7 @@ impl<'a> Filtered<'a> {
         }
     }
 
-    fn rendering(&self, state: &State) -> Result<Rc<Rendering>> {
+    fn rendered(&self, state: &State) -> Result<Rc<Rendering>> {
         if let Some((of, rendering)) = &*self.latest.borrow()
             && of == state
         {
@@ -85,11 +85,15 @@ impl ForwardModel for Filtered<'_> {
         }
     }
 
+    fn rendering(&self, state: &State) -> Result<Rendering> {
+        Ok((*self.rendered(state)?).clone())
+    }
+
     fn products(&self, state: &State, pixels: &Pixels) -> Result<Products> {
         if let Some(products) = self.on_device(state, true) {
             return products;
         }
-        Ok(Products::over(pixels, &*self.rendering(state)?))
+        Ok(Products::over(pixels, &*self.rendered(state)?))
     }
 
     fn levels(&self, state: &State, pixels: &Pixels) -> Result<Products> {

@@ -14,11 +14,12 @@ mod replay;
 
 pub use gram::GramModel;
 pub use products::{Exposure, Pixel, Pixels, Products};
+pub(crate) use quantity::derivatives;
 pub use quantity::{Quantity, State};
 pub use replay::{MOST_PATHS, Tracing};
 
 use crate::error::Result;
-use crate::filter::{Backend, Coverage, Optics, Target, hidden_share};
+use crate::filter::{Backend, Coverage, Optics, Rendering, Target, hidden_share};
 use crate::image::Image;
 use crate::medium::Medium;
 use crate::spread::Model;
@@ -32,6 +33,12 @@ pub trait ForwardModel {
     /// # Errors
     /// Where the model has no kernels for the medium, or the device fails.
     fn image(&self, state: &State) -> Result<Image>;
+
+    /// The same and its derivatives, in the medium and in what else the state has.
+    ///
+    /// # Errors
+    /// As [`image`](Self::image).
+    fn rendering(&self, state: &State) -> Result<Rendering>;
 
     /// Inner products of the image, its derivatives and the observation over `pixels`.
     ///

@@ -139,6 +139,18 @@ impl Geometry {
         self.over_pixels(&[&self.depth, &self.surface], |x, y| self.path_length(x, y))
     }
 
+    /// The same with the object farther away by the share `share`, the medium's surface where it is.
+    pub(crate) fn deeper(&self, share: f64) -> Self {
+        let mut deeper = self.clone();
+        for field in std::iter::once(&mut deeper.depth).chain(&mut deeper.behind) {
+            match field {
+                Field::Uniform(depth) => *depth *= 1.0 + share,
+                Field::Map(map) => map.data.iter_mut().for_each(|depth| *depth *= 1.0 + share as f32),
+            }
+        }
+        deeper
+    }
+
     /// Median length of a pixel at the object.
     pub fn median_pixel_pitch(&self) -> f64 {
         let shown = |x, y| self.object_distance(x, y).map(|d| self.pixel_pitch(d * self.cos_off_axis(x, y)));

@@ -41,6 +41,7 @@ pub(super) struct ObjectSection {
     pub surface: NumberOrFile,
     #[serde(default)]
     pub border: Border,
+    pub sampling: Option<String>,
     #[serde(default)]
     pub layer: Vec<LayerSection>,
 }

@@ -7,6 +7,7 @@ use super::images::{Distance, Frame, ObjectImage, along_rays, depth, read_radian
 use super::layers::read_layers;
 use super::medium::read_medium;
 use super::observation::{observed_view, planned_view, read_observation};
+use super::sampling::read_sampling;
 use super::source::Source;
 use super::{LitScene, ObservedScene, Scene};
 use crate::error::{Error, Result};
@@ -105,8 +106,21 @@ impl<'a> Reader<'a> {
         let behind = read_layers(source, section, &object, &mut geometry)?;
         let depth_error = source.relative_error("[object] depth_error", section.depth_error)?;
         let view = view(source, self.file.observation.as_ref(), frame.size)?;
-        let (path, border, object) = (source.path.into(), section.border, object.channels);
-        Ok(Scene { path, object, behind, geometry, depth_error, border, view, medium, fit })
+        let (sampling, sampling_is_known) =
+            read_sampling(source, section.sampling.as_deref(), &object.channels)?;
+        Ok(Scene {
+            path: source.path.into(),
+            object: object.channels,
+            behind,
+            geometry,
+            depth_error,
+            border: section.border,
+            sampling,
+            sampling_is_known,
+            view,
+            medium,
+            fit,
+        })
     }
 
     /// Puts the distances together, along the rays, and refuses an object before the medium's surface.

@@ -6,7 +6,7 @@
 
 use narrowbeam::filter::cpu::CpuFilter;
 use narrowbeam::filter::{Optics, Target};
-use narrowbeam::image::Image;
+use narrowbeam::image::{Image, Sampling};
 use narrowbeam::io::exr::ExrFile;
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::PhaseFunction;
@@ -73,6 +73,7 @@ impl Square {
             behind: &[],
             geometry,
             border: self.scene.border,
+            sampling: Sampling::Pixel,
             view: self.scene.view,
             relief: None,
         };

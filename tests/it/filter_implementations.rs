@@ -4,7 +4,7 @@ use crate::common::{pixels, relative_l2, sloping, texture};
 use narrowbeam::filter::cpu::CpuFilter;
 use narrowbeam::filter::{Optics, Target, direct_sum, per_depth};
 use narrowbeam::geometry::{Camera, Field, Geometry};
-use narrowbeam::image::{Border, Image, View};
+use narrowbeam::image::{Border, Image, Sampling, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::Gaussian;
 use narrowbeam::spread::Model;
@@ -20,6 +20,7 @@ fn target<'a>(radiance: &'a Image, geometry: &'a Geometry, border: Border) -> Ta
         behind: &[],
         geometry,
         border,
+        sampling: Sampling::Pixel,
         view: View::whole(radiance.width, radiance.height),
         relief: None,
     }

@@ -2,13 +2,14 @@
 //! never the physics: for that there is a dataset (tests/it/recovery_datasets.rs).
 
 use crate::common::estimates::{compare_all, std_error};
+use crate::common::report::{fit_scenes, select};
 use crate::common::{relative_l2, texture};
 use narrowbeam::filter::{Backend, Filter, Optics, Target, direct_sum};
 use narrowbeam::fit::noise::with_noise;
-use narrowbeam::fit::{SceneFit, Settings, WarningCode, Ways, fit_scenes, profile, select};
+use narrowbeam::fit::{SceneFit, Settings, WarningCode, Ways, profile};
 use narrowbeam::forward::Quantity;
 use narrowbeam::geometry::Geometry;
-use narrowbeam::image::{Border, Image, View};
+use narrowbeam::image::{Border, Image, Sampling, View};
 use narrowbeam::lab::study::{Setting, Texture};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Family, PhaseFunction};
@@ -33,6 +34,7 @@ fn defined(setting: &Setting) -> Image {
         behind: &[],
         geometry: &geometry,
         border: Border::Zero,
+        sampling: Sampling::Pixel,
         view: View::whole(side, side),
         relief: None,
     };
@@ -62,6 +64,7 @@ fn the_fast_filter_is_the_definition_but_for_what_comes_back_from_beyond_the_pad
             behind: &[],
             geometry: &geometry,
             border: Border::Zero,
+            sampling: Sampling::Pixel,
             view: View::whole(24, 20),
             relief: None,
         };

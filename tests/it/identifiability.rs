@@ -2,10 +2,11 @@
 
 use crate::common::estimates::{compare_all, status, std_error};
 use crate::common::planes::PLANE;
+use crate::common::report::fit_scenes;
 use narrowbeam::filter::Filter;
 use narrowbeam::fit::noise::with_noise;
 use narrowbeam::fit::{
-    AdviceReport, Plan, SceneFit, Settings, Status, Warning, WarningCode, add_advice, fit_scenes, forecast,
+    AdviceReport, Plan, SceneFit, Settings, Status, Warning, WarningCode, add_advice, forecast,
 };
 use narrowbeam::forward::Quantity;
 use narrowbeam::image::{Border, Image};

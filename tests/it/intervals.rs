@@ -2,10 +2,11 @@
 
 use crate::common::estimates::{compare, status, std_error};
 use crate::common::planes::PLANE;
+use crate::common::report::fit_scenes;
 use narrowbeam::filter::Filter;
 use narrowbeam::fit::noise::with_noise;
 use narrowbeam::fit::{
-    Draws, Intervals, Plan, SceneFit, Settings, Status, Ways, bootstrap, fit_scenes, forecast, profile,
+    Draws, Intervals, Plan, SceneFit, Settings, Status, Ways, bootstrap, forecast, profile,
 };
 use narrowbeam::forward::Quantity;
 use narrowbeam::lab::study::Setting;

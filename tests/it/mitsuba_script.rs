@@ -1,8 +1,9 @@
 //! The script that makes Mitsuba datasets, run afresh on a small scene and its image fitted.
 
 use crate::common::estimates::compare_all;
+use crate::common::report::fit_scenes;
 use narrowbeam::filter::Filter;
-use narrowbeam::fit::{Settings, fit_scenes};
+use narrowbeam::fit::Settings;
 use narrowbeam::forward::Quantity;
 use narrowbeam::image::{Channel, Image};
 use narrowbeam::io::exr;

@@ -5,7 +5,7 @@ use crate::common::texture;
 use narrowbeam::filter::cpu::CpuFilter;
 use narrowbeam::filter::{Filter, Optics, Target};
 use narrowbeam::geometry::{Camera, Field, Geometry};
-use narrowbeam::image::{Border, Image, View};
+use narrowbeam::image::{Border, Image, Sampling, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::b_of_spread_angle;
 use narrowbeam::scene::{Scene, read_truth};
@@ -55,6 +55,7 @@ impl Case {
             behind: &[],
             geometry: &self.geometry,
             border: Border::Clamp,
+            sampling: Sampling::Pixel,
             view: INNER,
             relief: relief.as_ref(),
         };
@@ -168,6 +169,7 @@ fn the_stage_looks_as_traced() {
             behind: &[],
             geometry: &scene.geometry,
             border: scene.border,
+            sampling: Sampling::Pixel,
             view: scene.view,
             relief: relief.as_ref(),
         };

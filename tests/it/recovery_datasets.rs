@@ -2,8 +2,9 @@
 
 use crate::common::bundled::{dataset, fit};
 use crate::common::estimates::{Compared, compare, compare_all, value_of};
+use crate::common::report::fit_scenes;
 use narrowbeam::filter::Filter;
-use narrowbeam::fit::{SceneFit, Settings, WarningCode, fit_scenes};
+use narrowbeam::fit::{SceneFit, Settings, WarningCode};
 use narrowbeam::forward::Quantity;
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::PhaseFunction;

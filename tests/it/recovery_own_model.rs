@@ -6,7 +6,7 @@ use narrowbeam::filter::{Optics, Target, per_depth};
 use narrowbeam::fit::{ChannelFit, Method, NoiseTerm, Observation, Settings, Status, VeilTerm, fit_channel};
 use narrowbeam::forward::Quantity;
 use narrowbeam::geometry::Geometry;
-use narrowbeam::image::{Border, Image, View};
+use narrowbeam::image::{Border, Image, Sampling, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::scene::{FitOptions, Gain, ParameterOptions};
 use narrowbeam::spread::Model;
@@ -28,6 +28,7 @@ fn made(geometry: Geometry, model: Model, medium: Medium) -> Made {
         behind: &[],
         geometry: &geometry,
         border: Border::Zero,
+        sampling: Sampling::Pixel,
         view: View::whole(geometry.width, geometry.height),
         relief: None,
     };
@@ -43,6 +44,7 @@ impl Made {
             behind: &[],
             geometry: &self.geometry,
             border: Border::Zero,
+            sampling: Sampling::Pixel,
             view: View::whole(self.object.width, self.object.height),
             relief: None,
         };

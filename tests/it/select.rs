@@ -2,12 +2,13 @@
 //! wide; what is tested is which model is taken, and that its estimate deserves it.
 
 use crate::common::estimates::{compare_all, values};
+use crate::common::report::{fit_scenes, select};
 use crate::common::{texture, with_noise};
 use narrowbeam::filter::{Backend, Filter, Optics, Target};
-use narrowbeam::fit::{SEQUENCE, SceneFit, Settings, fit_scenes, select};
+use narrowbeam::fit::{SEQUENCE, SceneFit, Settings};
 use narrowbeam::forward::Quantity;
 use narrowbeam::geometry::Geometry;
-use narrowbeam::image::{Border, Channel, Image, View};
+use narrowbeam::image::{Border, Channel, Image, Sampling, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{PhaseFunction, b_of_spread_angle};
 use narrowbeam::scene::{
@@ -63,6 +64,7 @@ impl Regime {
             behind: &[],
             geometry: &geometry,
             border: Border::Zero,
+            sampling: Sampling::Pixel,
             view: View::whole(SIDE, SIDE),
             relief: None,
         };

@@ -2,8 +2,9 @@
 
 use crate::common::bundled::dataset;
 use crate::common::program::{narrowbeam, refuses};
+use crate::common::report::fit_scenes;
 use narrowbeam::filter::{Backend, Filter, moved};
-use narrowbeam::fit::{Fit, SceneFit, Settings, Status, fit_scenes};
+use narrowbeam::fit::{Fit, SceneFit, Settings, Status};
 use narrowbeam::forward::Quantity;
 use narrowbeam::image::{Image, View};
 use narrowbeam::scene::{ObservedScene, Registration};

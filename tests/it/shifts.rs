@@ -4,7 +4,7 @@ use crate::common::{pixels, relative_l2, sloping, texture};
 use narrowbeam::filter::cpu::CpuFilter;
 use narrowbeam::filter::{Backend, Filter, Optics, Prepared, Target, direct_sum, per_depth};
 use narrowbeam::geometry::{Camera, Field, Geometry};
-use narrowbeam::image::{Border, Image, View};
+use narrowbeam::image::{Border, Image, Sampling, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::relief::Relief;
 use narrowbeam::spread::Model;
@@ -81,6 +81,7 @@ impl Scene {
             behind: &[],
             geometry: &self.geometry,
             border: self.border,
+            sampling: Sampling::Pixel,
             view: self.view,
             relief: self.relief.as_ref(),
         }

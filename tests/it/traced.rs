@@ -5,12 +5,13 @@
 use crate::common::bundled::dataset;
 use crate::common::edge_and_slope;
 use crate::common::recovery::assert_recovered;
+use crate::common::report::fit_scenes;
 use crate::common::report::read;
 use narrowbeam::filter::{Filter, Target};
-use narrowbeam::fit::{ChannelFit, Observation, Settings, fit_channel, fit_scenes};
+use narrowbeam::fit::{ChannelFit, Observation, Settings, fit_channel};
 use narrowbeam::forward::Tracing;
 use narrowbeam::geometry::Geometry;
-use narrowbeam::image::{Border, Image, View};
+use narrowbeam::image::{Border, Image, Sampling, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Family, Gaussian, HenyeyGreenstein, PhaseFunction, b_of_spread_angle};
 use narrowbeam::scene::{FitOptions, ObservedScene, read_truth};
@@ -47,6 +48,7 @@ impl Setting {
             behind: &[],
             geometry: &self.geometry,
             border: Border::Mirror,
+            sampling: Sampling::Pixel,
             view,
             relief: relief.as_ref(),
         };

@@ -9,7 +9,7 @@ use narrowbeam::filter::{Backend, Filter, Target};
 use narrowbeam::fit::{ChannelFit, Observation, Settings, Status, advise, fit_channel};
 use narrowbeam::forward::{Engine, Quantity, Tracing};
 use narrowbeam::geometry::Geometry;
-use narrowbeam::image::{Border, Image, View};
+use narrowbeam::image::{Border, Image, Sampling, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Gaussian, PhaseFunction, b_of_spread_angle};
 use narrowbeam::relief::Relief;
@@ -74,6 +74,7 @@ impl Views {
                 behind: &[],
                 geometry: &self.geometries[i],
                 border: Border::Mirror,
+                sampling: Sampling::Pixel,
                 view: View::whole(self.object.width, self.object.height),
                 relief: self.reliefs[i].as_ref(),
             };
@@ -109,7 +110,15 @@ fn a_plane_is_blurred_by_the_kernel_of_its_paths() {
     let object = Image::from_fn(side, side, |x, _| 1.0 + (w * (x as f64 + 0.5)).cos() as f32);
     let geometry = Geometry::planar(side, side, pitch, 1.0).unwrap();
     let (border, view) = (Border::Mirror, View::whole(side, side));
-    let target = Target { radiance: &object, behind: &[], geometry: &geometry, border, view, relief: None };
+    let target = Target {
+        radiance: &object,
+        behind: &[],
+        geometry: &geometry,
+        border,
+        sampling: Sampling::Pixel,
+        view,
+        relief: None,
+    };
     let phase = Gaussian::new(b_of_spread_angle(25_f64.to_radians())).unwrap();
     let medium = Medium::new(5.0, 0.2, phase.into()).unwrap();
     let tracing = Tracing::new(Some(paths), 5);

@@ -4,7 +4,7 @@
 use crate::common::bundled::dataset;
 use narrowbeam::filter::cpu::CpuFilter;
 use narrowbeam::filter::{Optics, Target};
-use narrowbeam::image::Image;
+use narrowbeam::image::{Image, Sampling};
 use narrowbeam::io::exr::ExrFile;
 use narrowbeam::medium::Medium;
 use narrowbeam::scene::{Scene, read_truth};
@@ -64,6 +64,7 @@ impl Witness {
             behind: &[],
             geometry: &self.scene.geometry,
             border: self.scene.border,
+            sampling: Sampling::Pixel,
             view: self.scene.view,
             relief: None,
         };

@@ -3,8 +3,9 @@
 use crate::common::estimates::{compare, compare_all, std_error};
 use crate::common::planes::PLANE;
 use crate::common::program::write_exr;
+use crate::common::report::fit_scenes;
 use narrowbeam::filter::Filter;
-use narrowbeam::fit::{ChannelFit, Settings, fit_scenes};
+use narrowbeam::fit::{ChannelFit, Settings};
 use narrowbeam::forward::Quantity;
 use narrowbeam::image::Image;
 use narrowbeam::scene::ObservedScene;

@@ -8,7 +8,7 @@ use crate::common::texture;
 use narrowbeam::filter::Target;
 use narrowbeam::fit::{ChannelFit, Observation, Settings, fit_channel};
 use narrowbeam::geometry::Geometry;
-use narrowbeam::image::{Border, Image, View};
+use narrowbeam::image::{Border, Image, Sampling, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{PhaseFunction, b_of_spread_angle};
 use narrowbeam::scene::FitOptions;
@@ -115,6 +115,7 @@ fn fit(object: &Image, geometry: &Geometry, observed: &Image, model: Model) -> C
         behind: &[],
         geometry,
         border: Border::Zero,
+        sampling: Sampling::Pixel,
         view: View::whole(SIDE, SIDE),
         relief: None,
     };

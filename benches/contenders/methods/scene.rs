@@ -6,7 +6,7 @@ use narrowbeam::filter::cpu::CpuFilter;
 use narrowbeam::filter::slices::{Node, Slices};
 use narrowbeam::filter::{Optics, Target, per_depth};
 use narrowbeam::geometry::{Field, Geometry};
-use narrowbeam::image::{Border, Image, View};
+use narrowbeam::image::{Border, Image, Sampling, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::b_of_spread_angle;
 use narrowbeam::spread::Model;
@@ -65,6 +65,7 @@ impl Scene {
             behind: &[],
             geometry: &self.geometry,
             border: Border::Zero,
+            sampling: Sampling::Pixel,
             view: View::whole(self.n, self.n),
             relief: None,
         }

@@ -8,7 +8,7 @@ use narrowbeam::filter::cpu::CpuFilter;
 use narrowbeam::filter::{Optics, Target};
 use narrowbeam::geometry::Geometry;
 use narrowbeam::gpu::Gpu;
-use narrowbeam::image::{Border, Image, View};
+use narrowbeam::image::{Border, Image, Sampling, View};
 use wgpu::Buffer;
 
 /// The object on the device.
@@ -81,6 +81,7 @@ fn weights(depths: &Depths, pitch: f64, optics: &Optics, radius: usize) -> Resul
             behind: &[],
             geometry: &geometry,
             border: Border::Zero,
+            sampling: Sampling::Pixel,
             view: View::whole(side, side),
             relief: None,
         };

@@ -57,7 +57,7 @@ impl GpuFilter<'_> {
                     slab.sloping.then_some(self.plan.target.geometry.pitch_per_depth()),
                     carried,
                     slab.occluder,
-                    (request.optics, obliquity),
+                    (request.optics, obliquity, self.plan.target.sampling),
                 )?;
                 let tables = Tables::new(&way, &self.units(request.optics));
                 self.gather(&mut recording, slab, &tables, carried.is_some(), request.derivatives)?;

@@ -102,13 +102,13 @@ impl Tables {
     }
 }
 
-/// For each frequency across, then down: (w, sinc², -, -) and the 8 basis values of the aliases.
+/// For each frequency across, then down: (w, what both pixels leave, -, -) and the 8 basis values of the aliases.
 pub(super) fn axes(canvas: &Canvas) -> Vec<Lanes> {
-    let frequency = |(&w, (&sinc2, b)): (&f64, (&f32, &[f32; 8]))| {
-        [[w as f32, sinc2, 0.0, 0.0], [b[0], b[1], b[2], b[3]], [b[4], b[5], b[6], b[7]]]
+    let frequency = |(&w, (&pixel, b)): (&f64, (&f32, &[f32; 8]))| {
+        [[w as f32, pixel, 0.0, 0.0], [b[0], b[1], b[2], b[3]], [b[4], b[5], b[6], b[7]]]
     };
     let axis = |axis: &super::super::canvas::Axis| -> Vec<Lanes> {
-        axis.w.iter().zip(axis.sinc2.iter().zip(&axis.basis)).flat_map(frequency).collect()
+        axis.w.iter().zip(axis.pixel.iter().zip(&axis.basis)).flat_map(frequency).collect()
     };
     canvas.axes.iter().flat_map(axis).collect()
 }

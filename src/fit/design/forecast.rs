@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::filter::{Filter, Target};
 use crate::fit::Settings;
 use crate::fit::scenes::{SceneFit, fit_scenes};
-use crate::image::Channel;
+use crate::image::{Channel, Sampling};
 use crate::medium::Medium;
 use crate::phase::PhaseFunction;
 use crate::scene::{
@@ -97,6 +97,7 @@ fn images(scene: &Scene, media: &[Medium], settings: &Settings, filter: Filter) 
             behind: &scene.behind[i],
             geometry: &scene.geometry,
             border: scene.border,
+            sampling: Sampling::Pixel,
             view: scene.view,
             relief: relief.as_ref(),
         };

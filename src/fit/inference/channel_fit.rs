@@ -2,6 +2,8 @@
 
 use super::combination::Combination;
 use super::covariance::{Covariance, Status};
+use super::diagnosis::Finding;
+use super::error_images::ErrorSource;
 use super::exposure::ExposureEstimate;
 use super::input_error::InputError;
 use super::model_error::ModelError;
@@ -31,6 +33,8 @@ pub struct ChannelFit {
     pub gauss_newton_step: DVector<f64>,
     /// By how many standard deviations blocks of residuals exceed what noise leaves in them.
     pub lack_of_fit: f64,
+    /// What the residual says of the scenes, the largest drop of chi² first.
+    pub findings: Vec<Finding>,
     /// Gain, veil, noise and chi² of each scene.
     pub exposures: Vec<ExposureEstimate>,
     /// Half the sum of squared residuals in units of the noise.
@@ -104,6 +108,17 @@ impl ChannelFit {
     /// The medium's parameters of this status.
     pub fn with_status(&self, status: Status) -> impl Iterator<Item = Id> {
         self.parameters.of_medium().map(|(id, _)| id).filter(move |&id| self.covariance.status(id) == status)
+    }
+
+    /// What is stated as the error of the linear function `gradient`·u of the coordinates beside noise and input, source by
+    /// source.
+    pub fn model_errors(&self, gradient: &DVector<f64>) -> Vec<(ErrorSource, f64)> {
+        let mut parts = self.model_error.as_ref().map_or_else(Vec::new, |error| error.parts(gradient));
+        if !self.findings.is_empty() {
+            let added = self.findings.iter().map(|finding| gradient.dot(&finding.bias).powi(2));
+            parts.push((ErrorSource::Residual, added.sum::<f64>().sqrt()));
+        }
+        parts
     }
 
     /// Bayesian information criterion, chi² + k ln n over n pixels (Schwarz 1978).

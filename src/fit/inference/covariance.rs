@@ -17,6 +17,8 @@ const LOST: f64 = 1e-10;
 const LEAK: f64 = 1e-6;
 /// Standard error of a coordinate in units of its natural scale above which it is not known.
 const MOST_ERROR: f64 = 0.5;
+/// Error of the model, in units of the natural scale of a coordinate, under which the coordinate is known in any case.
+const LEAST_MODEL_ERROR: f64 = 0.1;
 /// Two-sided 95 % quantile of the normal distribution.
 pub(crate) const Z95: f64 = 1.959_964;
 
@@ -32,6 +34,8 @@ pub enum Status {
     Fixed,
     /// Free, but the data do not decide it.
     Undetermined,
+    /// Estimated from an image that contradicts the scene.
+    Doubtful,
 }
 
 /// Covariance of the coordinates, and the status of each parameter.
@@ -41,6 +45,8 @@ pub struct Covariance {
     eigenvalues: DVector<f64>,
     eigenvectors: DMatrix<f64>,
     variance_scale: f64,
+    /// Covariances of the coordinates that allow for more than white noise.
+    wider: Vec<DMatrix<f64>>,
     known: Vec<Known>,
 }
 
@@ -60,6 +66,15 @@ fn is_known(parameter: &Parameter, error: f64) -> bool {
     error <= MOST_ERROR * parameter.scale()
 }
 
+/// Error of its model from which on a coordinate is not known: half of the value, or, of sigma_a, 0.1/z if that is more.
+fn most_model_error(parameter: &Parameter) -> f64 {
+    if parameter.is_logarithmic() {
+        MOST_ERROR
+    } else {
+        (MOST_ERROR * parameter.value()).max(LEAST_MODEL_ERROR * parameter.scale())
+    }
+}
+
 impl Covariance {
     /// At `parameters`, every variance multiplied by `variance_scale`.
     pub(crate) fn new(equations: &NormalEquations, parameters: &Parameters, variance_scale: f64) -> Self {
@@ -72,6 +87,7 @@ impl Covariance {
             eigenvalues: eigen.eigenvalues,
             eigenvectors: eigen.eigenvectors,
             variance_scale,
+            wider: Vec::new(),
             known: Vec::new(),
         };
         this.known = parameters.iter().map(|(id, p)| this.known_of(id, p, parameters)).collect();
@@ -90,6 +106,14 @@ impl Covariance {
         }
     }
 
+    /// Widens every variance to what these covariances of the coordinates say, where that is more.
+    pub(crate) fn widen(&mut self, wider: Vec<DMatrix<f64>>, parameters: &Parameters) {
+        if !wider.is_empty() {
+            self.wider = wider;
+            self.known = parameters.iter().map(|(id, p)| self.known_of(id, p, parameters)).collect();
+        }
+    }
+
     /// Marks as undetermined what the error of the best model leaves open: its error of the linear function of the
     /// coordinates that is given.
     pub(crate) fn mark_undetermined(
@@ -99,7 +123,8 @@ impl Covariance {
     ) {
         for (id, parameter) in parameters.iter() {
             let known = &mut self.known[id.row()];
-            if known.status == Status::Free && !is_known(parameter, error(&parameters.along(id))) {
+            let error = error(&parameters.along(id));
+            if known.status == Status::Free && error > most_model_error(parameter) {
                 *known = Known::UNDETERMINED;
             }
         }
@@ -118,7 +143,18 @@ impl Covariance {
                 return None;
             }
         }
-        Some(variance * self.variance_scale)
+        let wider = self.wider.iter().map(|matrix| gradient.dot(&(matrix * gradient)));
+        Some(wider.fold(variance * self.variance_scale, f64::max))
+    }
+
+    /// The inverse of the Gauss-Newton matrix, but along what the data do not decide.
+    pub(crate) fn inverse(&self) -> DMatrix<f64> {
+        let n = self.scale.len();
+        let mut inverse = DMatrix::zeros(n, n);
+        let decided =
+            self.eigenvalues.iter().zip(self.eigenvectors.column_iter()).filter(|(value, _)| **value > LOST);
+        decided.for_each(|(value, vector)| inverse += vector * vector.transpose() / *value);
+        DMatrix::from_diagonal(&self.scale) * inverse * DMatrix::from_diagonal(&self.scale)
     }
 
     /// The Gauss-Newton step from where the cost has `gradient`, but along what the data do not decide.

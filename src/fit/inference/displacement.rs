@@ -54,6 +54,15 @@ impl<'a> Displacement<'_, 'a> {
         Ok(Moved { step: self.covariance.step(&equations.gradient), image })
     }
 
+    /// What happens if the object light of every scene is off by that of `differences`.
+    pub(crate) fn by(&mut self, differences: &[Image]) -> Result<Moved> {
+        let mut images = self.models.images(self.parameters)?;
+        for (image, difference) in images.iter_mut().zip(differences) {
+            image.data.iter_mut().zip(&difference.data).for_each(|(v, d)| *v += d);
+        }
+        self.towards(images)
+    }
+
     /// Where one batch of the paths of a traced model would lead the coordinates.
     pub(crate) fn by_batch(&self, batch: usize) -> Result<DVector<f64>> {
         let problem =

@@ -8,7 +8,6 @@ use super::displacement::Displacement;
 use crate::error::Result;
 use crate::filter::Target;
 use crate::fit::observation::Observation;
-use crate::geometry::{Field, Geometry};
 use crate::image::Image;
 use crate::relief::Relief;
 use crate::scene::Gain;
@@ -56,7 +55,7 @@ fn displaced(
 ) -> Result<Vec<Image>> {
     let mut images = Vec::new();
     if observation.depth_error > 0.0 {
-        let geometry = deeper(observation.target.geometry, observation.depth_error);
+        let geometry = observation.target.geometry.deeper(observation.depth_error);
         let relief = observation.target.relief.map(|_| Relief::new(&geometry));
         let target = Target { geometry: &geometry, relief: relief.as_ref(), ..observation.target };
         images.push(fit.render(target, scene, 1.0 + observation.depth_error)?);
@@ -73,16 +72,4 @@ fn displaced(
 /// Relative error of a gain that is given.
 fn gain_error(observation: &Observation) -> f64 {
     if observation.gain == Gain::Free { 0.0 } else { observation.gain_error }
-}
-
-/// The object farther away by the share `error`, the medium's surface where it is.
-fn deeper(geometry: &Geometry, error: f64) -> Geometry {
-    let mut deeper = geometry.clone();
-    for field in std::iter::once(&mut deeper.depth).chain(&mut deeper.behind) {
-        match field {
-            Field::Uniform(depth) => *depth *= 1.0 + error,
-            Field::Map(map) => map.data.iter_mut().for_each(|depth| *depth *= 1.0 + error as f32),
-        }
-    }
-    deeper
 }

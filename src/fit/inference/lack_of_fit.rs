@@ -2,7 +2,8 @@
 //!
 //! Noise averages out over blocks of pixels; what a wrong model leaves does not. For white noise of any distribution that is
 //! symmetric, and of any variance that varies slowly, Q = (sum r)² / sum r² over the m pixels r of a block has mean 1, and for
-//! normal noise the variance 2 (m - 1) / (m + 2). So the noise need not be known; variances that are given are divided out.
+//! normal noise the variance 2 (m - 1) / (m + 2). So the noise need not be known; variances that are given are divided out. Noise that
+//! neighbours share raises the mean by what its correlation says.
 
 use crate::fit::observation::Observed;
 use crate::image::Image;
@@ -18,7 +19,8 @@ pub(crate) const LACKING: f64 = 5.0;
 const RENDERED: f64 = 1e-4;
 
 /// By how many standard deviations the mean of Q over all blocks exceeds 1, for the side of blocks where that is most.
-pub(crate) fn lack_of_fit(observed: &Observed, render: &Image) -> f64 {
+/// `inflation` is the mean of Q that the correlation of the noise leaves in a block of a side.
+pub(super) fn lack_of_fit(observed: &Observed, render: &Image, inflation: impl Fn(usize) -> f64) -> f64 {
     let image = observed.observation.observed;
     let mut residuals = vec![None; image.data.len()];
     let (mut residual, mut signal) = (0.0, 0.0);
@@ -32,11 +34,11 @@ pub(crate) fn lack_of_fit(observed: &Observed, render: &Image) -> f64 {
     if residual < RENDERED * RENDERED * signal {
         return 0.0;
     }
-    BLOCKS_PX.iter().filter_map(|&side| excess(&residuals, image, side)).fold(0.0, f64::max)
+    BLOCKS_PX.iter().filter_map(|&side| excess(&residuals, image, side, inflation(side))).fold(0.0, f64::max)
 }
 
 /// The same for blocks of one side of the `residuals` of `image`, whose pixels do not all count.
-fn excess(residuals: &[Option<f64>], image: &Image, side: usize) -> Option<f64> {
+fn excess(residuals: &[Option<f64>], image: &Image, side: usize, mean: f64) -> Option<f64> {
     let (mut sum, mut blocks) = (0.0, 0);
     for y in (0..image.height + 1 - side.min(image.height + 1)).step_by(side) {
         for x in (0..image.width + 1 - side.min(image.width + 1)).step_by(side) {
@@ -47,7 +49,7 @@ fn excess(residuals: &[Option<f64>], image: &Image, side: usize) -> Option<f64> 
         }
     }
     let (m, n) = ((side * side) as f64, blocks as f64);
-    (blocks >= FEWEST).then(|| (sum - n) / (n * 2.0 * (m - 1.0) / (m + 2.0)).sqrt())
+    (blocks >= FEWEST).then(|| (sum / mean - n) / (n * 2.0 * (m - 1.0) / (m + 2.0)).sqrt())
 }
 
 /// Q of one block; `None` if some pixel of it does not count, or all are met exactly.

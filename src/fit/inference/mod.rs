@@ -4,7 +4,9 @@
 mod channel_fit;
 mod combination;
 mod covariance;
+mod diagnosis;
 mod displacement;
+mod error_images;
 mod exposure;
 mod identifiability;
 mod input_error;
@@ -14,6 +16,8 @@ mod model_error;
 pub use channel_fit::ChannelFit;
 pub use combination::Combination;
 pub use covariance::{Covariance, Status};
+pub use diagnosis::{Cause, Finding};
+pub use error_images::ErrorSource;
 pub use exposure::ExposureEstimate;
 pub use input_error::InputError;
 pub use model_error::ModelError;
@@ -26,6 +30,7 @@ use super::observation::{Observation, Observed};
 use super::optimise::{Optimum, Task};
 use crate::error::Result;
 use crate::scene::Gain;
+use diagnosis::Diagnosis;
 use exposure::exposures;
 use identifiability::determined;
 use lack_of_fit::lack_of_fit;
@@ -39,7 +44,6 @@ pub(super) fn infer<'a>(task: &Task<'_, 'a>, mut optimum: Optimum<'a>) -> Result
     let size = Size::of(task, &optimum);
     let (transforms, paths) = (optimum.models.transforms(), optimum.models.paths(&optimum.parameters)?);
     let errors = Errors::at(task, &mut optimum, &size)?;
-    let lacking = optimum.observed.iter().zip(&optimum.images).map(|(o, image)| lack_of_fit(o, image));
     let first = task.observations[0].target;
     let mut fit = ChannelFit {
         model: task.settings.model,
@@ -47,7 +51,8 @@ pub(super) fn infer<'a>(task: &Task<'_, 'a>, mut optimum: Optimum<'a>) -> Result
         model_error: errors.of_model,
         input_error: errors.of_inputs,
         gauss_newton_step: errors.gauss_newton_step,
-        lack_of_fit: lacking.fold(0.0, f64::max),
+        lack_of_fit: errors.lack_of_fit,
+        findings: errors.findings,
         exposures: errors.exposures,
         covariance: errors.covariance,
         cost: optimum.equations.cost,
@@ -102,6 +107,8 @@ struct Errors {
     exposures: Vec<ExposureEstimate>,
     of_model: Option<ModelError>,
     of_inputs: InputError,
+    findings: Vec<Finding>,
+    lack_of_fit: f64,
 }
 
 impl Errors {
@@ -111,7 +118,6 @@ impl Errors {
         let variance_scale = if task.estimates_noise() { size.reduced_chi2.max(1.0) } else { 1.0 };
         let mut covariance = Covariance::new(equations, parameters, variance_scale);
         let gauss_newton_step = covariance.step(&equations.gradient);
-        let exposures = exposures(equations, &optimum.observed, &covariance);
         let mut at_optimum = Displacement {
             exposures: Displacement::exposures(equations),
             observed: &optimum.observed,
@@ -121,11 +127,20 @@ impl Errors {
             engine: task.settings.engine(),
             progress: task.progress,
         };
-        let of_model = ModelError::new(&mut at_optimum)?;
+        let (of_model, images) = ModelError::new(&mut at_optimum)?.unzip();
         let of_inputs = InputError::new(&mut at_optimum)?;
+        let diagnosis = Diagnosis::new(&at_optimum, images.as_ref())?;
+        let scenes = optimum.observed.iter().zip(&optimum.images).zip(&diagnosis.scenes);
+        let lacking =
+            scenes.map(|((o, image), scene)| lack_of_fit(o, image, |side| scene.block_inflation(side)));
+        let lack_of_fit = lacking.fold(0.0, f64::max);
+        let wider = diagnosis.wider(&covariance, lack_of_fit > LACKING);
+        covariance.widen(wider, parameters);
         if let Some(error) = &of_model {
-            covariance.mark_undetermined(parameters, |g| error.reference_of(g) + error.variance_of(g).sqrt());
+            covariance.mark_undetermined(parameters, |g| error.reference_of(g));
         }
-        Ok(Self { covariance, gauss_newton_step, exposures, of_model, of_inputs })
+        let exposures = exposures(equations, &optimum.observed, &covariance);
+        let findings = diagnosis.findings;
+        Ok(Self { covariance, gauss_newton_step, exposures, of_model, of_inputs, findings, lack_of_fit })
     }
 }

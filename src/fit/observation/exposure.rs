@@ -22,7 +22,7 @@ const FLAT: f64 = 1e-10;
 
 impl LinearTerm {
     /// Those of `observation` that are free, the veil first: what is left of the render beside it must not be flat.
-    fn free(observation: &Observation) -> Vec<Self> {
+    pub(crate) fn free(observation: &Observation) -> Vec<Self> {
         let veil = matches!(observation.veil, VeilTerm::Free).then_some(Self::Veil);
         let gain = (observation.gain == Gain::Free).then_some(Self::Gain);
         veil.into_iter().chain(gain).collect()

@@ -59,6 +59,8 @@ pub struct Observation<'a> {
     pub veil: VeilTerm<'a>,
     /// Whether the observed image lies on the clear one, or is to be registered.
     pub registration: Registration,
+    /// Whether the object's sampling is known; if not, that is part of the model's error.
+    pub sampling_is_known: bool,
 }
 
 impl<'a> Observation<'a> {
@@ -75,6 +77,7 @@ impl<'a> Observation<'a> {
             depth_error: 0.0,
             veil: VeilTerm::Fixed(0.0),
             registration: Registration::None,
+            sampling_is_known: true,
         }
     }
 

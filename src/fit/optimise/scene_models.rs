@@ -65,6 +65,11 @@ impl<'a> SceneModels<'a> {
         observed.iter().map(model).collect::<Option<_>>().map(Self)
     }
 
+    /// That of scene number `scene`.
+    pub(crate) fn get(&self, scene: usize) -> &(dyn ForwardModel + 'a) {
+        self.0[scene].as_ref()
+    }
+
     pub(crate) fn iter(&self) -> impl Iterator<Item = &(dyn ForwardModel + 'a)> {
         self.0.iter().map(Box::as_ref)
     }

@@ -3,7 +3,7 @@
 use super::derived::derived;
 use super::exposure::ExposureReport;
 use super::warnings::warnings;
-use super::{BackendReport, Estimate, Fit, Summary};
+use super::{BackendReport, DiagnosisReport, Estimate, Fit, Severity, Summary};
 use crate::filter::{Backend, Filter};
 use crate::fit::Settings;
 use crate::fit::inference::ChannelFit;
@@ -41,6 +41,7 @@ impl Fit {
             determined: Vec::new(),
             advice: Vec::new(),
             candidates: Vec::new(),
+            diagnosis: Vec::new(),
             warnings: Vec::new(),
         };
         for (name, fit) in channels {
@@ -50,6 +51,7 @@ impl Fit {
     }
 
     fn add(&mut self, suffix: &str, channel: &str, fit: &ChannelFit, model: Model) {
+        let before = self.parameters.len();
         for (id, parameter) in fit.parameters.of_medium() {
             let key = format!("{}{suffix}", parameter.name());
             let estimate = Estimate::new(fit, id);
@@ -69,7 +71,13 @@ impl Fit {
         let exposures = fit.exposures.iter().enumerate();
         self.exposures.extend(exposures.map(|(scene, e)| ExposureReport::new(scene, channel, e, fit)));
         self.add_determined(channel, fit);
-        self.warnings.extend(warnings(suffix, fit, model));
+        let findings = fit.findings.iter();
+        self.diagnosis.extend(findings.map(|finding| DiagnosisReport::new(finding, fit, channel, suffix)));
+        let warnings = warnings(suffix, fit, model);
+        if warnings.iter().any(|warning| warning.severity == Severity::Invalid) {
+            self.parameters.values_mut().skip(before).for_each(Estimate::doubt);
+        }
+        self.warnings.extend(warnings);
     }
 }
 

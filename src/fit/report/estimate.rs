@@ -2,6 +2,7 @@
 
 use crate::fit::inference::{ChannelFit, Status, Z95};
 use crate::fit::parameters::{Id, Role};
+use indexmap::IndexMap;
 use serde::{Deserialize, Deserializer, Serialize};
 
 /// One parameter of one channel.
@@ -17,11 +18,13 @@ pub struct Estimate {
     pub relative_error: Option<f64>,
     /// Error of the model itself at this scene, [`ModelError`](crate::fit::ModelError); null where it is not known.
     pub model_error: Option<f64>,
+    /// Its parts by source, whose root sum of squares it is.
+    pub model_errors: IndexMap<String, f64>,
     /// Standard error by what is said of depths and gains.
     pub input_error: Option<f64>,
     /// 95 % interval.
     pub ci95: Option<[f64; 2]>,
-    /// Free, fixed or undetermined.
+    /// Free, fixed, undetermined or doubtful.
     pub status: Status,
     /// Where the fit began.
     pub start: Option<f64>,
@@ -57,13 +60,15 @@ impl Estimate {
             if parameter.descriptor().role == Role::Free { fit.covariance.status(id) } else { Status::Fixed };
         let error = fit.covariance.std_error(id);
         let input_error = error.map(|_| fit.input_error.variance_of(&along).sqrt());
-        let model_error = error.and(fit.model_error.as_ref()).map(|m| m.of(&along));
+        let model_errors = error.map_or_else(Vec::new, |_| fit.model_errors(&along));
+        let whole = model_errors.iter().map(|(_, e)| e * e).sum::<f64>().sqrt();
+        let model_error = error.and(fit.model_error.as_ref()).map(|_| whole);
         let interval = |e: f64| {
             let [low, high] = parameter.bounds();
             // What is noise adds in squares, what is an error in full.
-            let sampled = fit.model_error.as_ref().map_or(0.0, |m| m.variance_of(&along).sqrt());
-            let noise = e.hypot(input_error.unwrap_or(0.0)).hypot(sampled);
-            let half = Z95 * noise + model_error.unwrap_or(0.0) - sampled;
+            let sampled = fit.model_error.as_ref().map_or(0.0, |m| m.variance_of(&along));
+            let noise = e.hypot(input_error.unwrap_or(0.0)).hypot(sampled.sqrt());
+            let half = Z95 * noise + (whole * whole - sampled).max(0.0).sqrt();
             let u = parameter.coordinate();
             let [a, b] = [u - half, u + half].map(|u| parameter.value_at(u));
             [a.min(b).max(low).min(value), a.max(b).min(high).max(value)]
@@ -74,12 +79,23 @@ impl Estimate {
             std_error: fit.std_error(parameter.name()),
             relative_error: error.filter(|_| value > 0.0).map(|e| e * (slope / value)),
             model_error: model_error.map(|e| e * slope),
+            model_errors: model_errors
+                .into_iter()
+                .map(|(source, e)| (source.name().into(), e * slope))
+                .collect(),
             input_error: input_error.map(|e| e * slope),
             ci95: error.map(interval),
             status,
             start: there(fit.start[parameter.name()].value()),
             profile95: None,
             bootstrap95: None,
+        }
+    }
+
+    /// Says that the image contradicts the scene.
+    pub(super) fn doubt(&mut self) {
+        if self.status == Status::Free {
+            (self.status, self.ci95) = (Status::Doubtful, None);
         }
     }
 }

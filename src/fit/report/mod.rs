@@ -5,6 +5,7 @@
 mod build;
 mod candidate;
 mod derived;
+mod diagnosis;
 mod estimate;
 mod exposure;
 mod identified;
@@ -16,6 +17,7 @@ mod warnings;
 
 pub use candidate::Candidate;
 pub use derived::Derived;
+pub use diagnosis::DiagnosisReport;
 pub use estimate::{Estimate, Ways};
 pub use exposure::{ExposureReport, RegistrationErrors, RegistrationReport, Term};
 pub use identified::{AdviceReport, Determined};
@@ -66,6 +68,8 @@ pub struct Fit {
     /// The models that were tried, cheapest first; empty if one was asked for.
     #[serde(rename = "ladder", default, skip_serializing_if = "Vec::is_empty")]
     pub candidates: Vec<Candidate>,
+    /// What the residual says of the scenes, the largest drop of chi² first.
+    pub diagnosis: Vec<DiagnosisReport>,
     /// What the user should know.
     pub warnings: Vec<Warning>,
 }
@@ -84,9 +88,10 @@ pub struct BackendReport {
 }
 
 impl Fit {
-    /// Whether every fit converged and every free parameter, those of scenes included, is determined.
+    /// Whether every fit converged, no image contradicts its scene, and every free parameter, those of scenes included, is
+    /// determined.
     pub fn is_complete(&self) -> bool {
-        let determined = self.parameters.values().all(|p| p.status != Status::Undetermined);
+        let determined = self.parameters.values().all(|p| matches!(p.status, Status::Free | Status::Fixed));
         let registered = self.exposures.iter().filter_map(|e| e.registration.as_ref());
         self.fit.converged && determined && registered.into_iter().all(RegistrationReport::is_determined)
     }

@@ -1,6 +1,6 @@
 //! A fit as text for people: a table, and remarks below it.
 
-use super::{AdviceReport, Derived, Determined, Estimate, Fit};
+use super::{AdviceReport, Derived, Determined, DiagnosisReport, Estimate, Fit};
 use crate::fit::inference::Status;
 use crate::phase::Family;
 
@@ -14,8 +14,11 @@ impl Fit {
             let of = Family::ALL.into_iter().find(|f| base(name) == f.parameter_name());
             let unit = of.map_or(unit, |of| of.unit());
             let relative = p.relative_error.map_or(String::new(), |e| format!("({:.2} %)", 100.0 * e));
-            let [value, std_error, model_error, start] =
-                [p.value, p.std_error, p.model_error, p.start].map(number);
+            let known = matches!(p.status, Status::Free | Status::Fixed);
+            let of_known = |value: Option<f64>| number(value.filter(|_| known));
+            let relative = if known { relative } else { String::new() };
+            let [value, std_error, model_error] = [p.value, p.std_error, p.model_error].map(of_known);
+            let start = number(p.start);
             rows.push(row([name, &value, &std_error, &relative, &model_error, &interval(p), &start, unit]));
         }
         for name in ["sigma_t", "sigma_s_b", "sigma_s_reduced"] {
@@ -50,6 +53,7 @@ impl Fit {
             lines.push(format!("correlations: {}", known.join(";  ")));
         }
         lines.extend(self.registrations());
+        lines.extend(self.diagnosis.iter().map(DiagnosisReport::line));
         lines.extend(self.determined.iter().map(determined));
         lines.extend(self.advice.iter().map(|AdviceReport { message, .. }| format!("advice: {message}")));
         lines.push(self.statistics());
@@ -106,6 +110,7 @@ fn interval(estimate: &Estimate) -> String {
         (None, Status::Free) => "free".into(),
         (None, Status::Fixed) => "fixed".into(),
         (None, Status::Undetermined) => "undetermined".into(),
+        (None, Status::Doubtful) => "doubtful".into(),
     }
 }
 

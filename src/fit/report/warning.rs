@@ -25,6 +25,8 @@ pub enum Severity {
     Note,
     /// The estimate may be off by more than it says.
     Caution,
+    /// The image contradicts the scene: the estimate is not to be relied on.
+    Invalid,
 }
 
 /// Kinds of warnings.
@@ -97,5 +99,10 @@ impl Warning {
     /// A warning of this kind.
     pub(super) fn new(code: WarningCode, message: String) -> Self {
         Self { code, severity: code.severity(), message }
+    }
+
+    /// The same, of another severity.
+    pub(super) fn of(self, severity: Severity) -> Self {
+        Self { severity, ..self }
     }
 }

@@ -1,7 +1,8 @@
 //! What a fit warns its user of.
 
+use super::diagnosis::severity;
 use super::text::significant;
-use super::{Regime, Warning, WarningCode};
+use super::{Regime, Severity, Warning, WarningCode};
 use crate::filter::CUT;
 use crate::fit::channel::MISFIT;
 use crate::fit::inference::{ChannelFit, LACKING, Status};
@@ -15,6 +16,8 @@ const WIDE_KERNEL: f64 = 0.5;
 const PRESSED: f64 = 3.0;
 /// tau up to which fits by `traced` are known to come back (tests/it/traced_planes.rs), with a margin for the estimate's error.
 const THICKEST: f64 = 16.0;
+/// Reduced chi² above which an image contradicts its scene, if the residual is not noise.
+const CONTRADICTED: f64 = 3.0;
 /// Predicted error of a logarithm, or of sigma_a z, above which a model is said to be the wrong one.
 const LARGE_MODEL_ERROR: f64 = 0.1;
 
@@ -35,7 +38,7 @@ pub(super) fn warnings(suffix: &str, fit: &ChannelFit, model: Model) -> Vec<Warn
         not_settled,
         hidden_light,
         misfit,
-        lack_of_fit,
+        structure,
         wide_kernel,
         at_bound,
         model_error,
@@ -88,8 +91,7 @@ fn hidden_light(&Case { suffix, fit, .. }: &Case) -> Option<Warning> {
     let message = || {
         format!(
             "{} of {} pixels{suffix} are left out, as more than hidden_share_max of their light may be hidden \
-             behind near surfaces; give what lies there as [[object.layer]], or raise [observation] \
-             hidden_share_max",
+             behind near surfaces; give what lies there as a further layer of the object, or raise hidden_share_max",
             fit.hidden_pixels,
             fit.hidden_pixels + fit.pixels
         )
@@ -100,25 +102,45 @@ fn hidden_light(&Case { suffix, fit, .. }: &Case) -> Option<Warning> {
 fn misfit(&Case { suffix, fit, model }: &Case) -> Option<Warning> {
     let message = || {
         format!(
-            "reduced chi²{suffix} is {}: the image is not what {model} makes of this scene; the noise may be \
-             more than stated, the geometry or the object wrong, or the scenes' media different",
-            significant(fit.reduced_chi2)
+            "reduced chi²{suffix} is {}: the image is not what {model} makes of this scene, or the noise is more than stated{}",
+            significant(fit.reduced_chi2),
+            causes(fit, Severity::Note).map_or_else(String::new, |causes| format!("; {causes}"))
         )
     };
-    (fit.reduced_chi2 > MISFIT).then(|| Warning::new(WarningCode::Misfit, message()))
+    let is_noise = fit.lack_of_fit <= LACKING;
+    let severity =
+        if fit.reduced_chi2 > CONTRADICTED && !is_noise { Severity::Invalid } else { Severity::Caution };
+    (fit.reduced_chi2 > MISFIT).then(|| Warning::new(WarningCode::Misfit, message()).of(severity))
 }
 
-fn lack_of_fit(&Case { suffix, fit, .. }: &Case) -> Option<Warning> {
-    let family = fit.parameters.family();
+/// The residual holds something that moves an estimate, or that nothing explains.
+fn structure(&Case { suffix, fit, .. }: &Case) -> Option<Warning> {
+    if let Some(causes) = causes(fit, Severity::Caution) {
+        let message = format!("the residual{suffix} is not noise: {causes}");
+        let worst = fit.findings.iter().map(|finding| severity(finding, fit)).max();
+        return Some(Warning::new(WarningCode::Structure, message).of(worst.unwrap_or(Severity::Caution)));
+    }
     let message = || {
         format!(
             "the residual{suffix} is not noise: averaged over blocks of pixels it is {:.0} standard deviations above \
-             what noise leaves; the phase function may not be {family}, the medium not homogeneous, gain, veil or depth wrong, \
-             pixels saturated; the intervals do not hold that",
+             what noise leaves, and no cause that is known here explains it; the intervals are widened by what blocks of it show",
             fit.lack_of_fit
         )
     };
-    (fit.lack_of_fit > LACKING).then(|| Warning::new(WarningCode::Structure, message()))
+    (fit.lack_of_fit > LACKING && fit.findings.is_empty())
+        .then(|| Warning::new(WarningCode::Structure, message()))
+}
+
+/// The causes that are at least so serious, in words; `None` if there are none.
+fn causes(fit: &ChannelFit, least: Severity) -> Option<String> {
+    let serious = fit.findings.iter().filter(|finding| severity(finding, fit) >= least);
+    let words = serious.map(|finding| {
+        let others: String =
+            finding.alternatives.iter().map(|other| format!(", or {}", other.in_words())).collect();
+        format!("{}{others} ({}: {})", finding.cause.in_words(), finding.cause, finding.cause.advice())
+    });
+    let words: Vec<String> = words.collect();
+    (!words.is_empty()).then(|| words.join("; "))
 }
 
 fn wide_kernel(&Case { suffix, fit, model }: &Case) -> Option<Warning> {
@@ -159,7 +181,7 @@ fn model_error(&Case { suffix, fit, model }: &Case) -> Option<Warning> {
     let worst = free.map(in_scales).fold(0.0, f64::max);
     let message = || {
         format!(
-            "{model}{suffix} is off by about {:.0} % of a parameter at this medium; use --model auto",
+            "{model}{suffix} is off by about {:.0} % of a parameter at this medium; let the program choose the model",
             100.0 * worst
         )
     };
@@ -174,7 +196,7 @@ fn wide_angles(&Case { suffix, fit, model }: &Case) -> Option<Warning> {
         format!(
             "tau·{}{suffix} = {validity:.3} is above {SMALL_ANGLE_LIMIT}: {model} rests on small angles, whose \
              transfer function is off by {} here, which the residual does not show; the stated model error, which \
-             the intervals hold, is a prediction of first order; use --model wide-angle or auto",
+             the intervals hold, is a prediction of first order; use wide-angle, or let the program choose",
             family.mean_square_angle_formula(),
             small_angle_error(validity)
         )

@@ -99,7 +99,8 @@ impl Prospect {
             exposures: planned.exposures.iter().map(|e| e.exposure).collect(),
             engine,
             progress,
-        })?;
+        })?
+        .map(|(error, _)| error);
         Ok(Self { parameters, covariance, model_error })
     }
 }

@@ -118,6 +118,10 @@ impl ForwardModel for Replayed<'_> {
         Ok(self.mean(state)?.image)
     }
 
+    fn rendering(&self, state: &State) -> Result<Rendering> {
+        self.mean(state)
+    }
+
     fn products(&self, state: &State, pixels: &Pixels) -> Result<Products> {
         let halves = self.rendered(state)?;
         Ok(Products::between(pixels, [&halves[0], &halves[1]]))

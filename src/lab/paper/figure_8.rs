@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::filter::{Backend, Filter};
 use crate::geometry::{Camera, Field, Geometry};
 use crate::illumination::{Bottom, Shading, Sun};
-use crate::image::{Border, Channel, Image, View};
+use crate::image::{Border, Channel, Image, Sampling, View};
 use crate::medium::Medium;
 use crate::scene::{Illumination, LitScene, Scene};
 use crate::spread::Model;
@@ -137,6 +137,8 @@ pub fn scene(side: usize) -> Result<(LitScene, Vec<Medium>)> {
             surface: Field::Map(image(&|x, y| -origin(x, y).z / along.z)),
         },
         depth_error: 0.0,
+        sampling: Sampling::Pixel,
+        sampling_is_known: true,
         border: Border::Clamp,
         view: View::whole(side, side),
         medium: Vec::new(),

@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::filter::{Backend, Optics, Target};
 use crate::forward::{Quantity, State};
 use crate::geometry::Geometry;
-use crate::image::{Border, Channel, Image, View};
+use crate::image::{Border, Channel, Image, Sampling, View};
 use crate::medium::Medium;
 use crate::phase::PhaseFunction;
 use crate::scene::{
@@ -120,6 +120,7 @@ impl Setting {
             behind: &[],
             geometry: &geometry,
             border: Border::Zero,
+            sampling: Sampling::Pixel,
             view: View::whole(self.side, self.side),
             relief: None,
         };
@@ -158,6 +159,8 @@ impl Setting {
             geometry: self.geometry()?,
             depth_error: 0.0,
             border: Border::Zero,
+            sampling: Sampling::Pixel,
+            sampling_is_known: true,
             view: View::whole(self.side, self.side),
             medium: vec![PartialMedium::default()],
             fit: vec![FitOptions { family: self.medium.phase().family(), ..FitOptions::default() }],

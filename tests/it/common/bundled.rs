@@ -1,7 +1,8 @@
 //! The bundled datasets, and their fits: each is made once, whichever tests look at it.
 
+use super::report::fit_scenes;
 use narrowbeam::filter::Filter;
-use narrowbeam::fit::{SceneFit, Settings, fit_scenes};
+use narrowbeam::fit::{SceneFit, Settings};
 use narrowbeam::scene::ObservedScene;
 use narrowbeam::spread::Model;
 use std::collections::HashMap;

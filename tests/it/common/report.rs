@@ -1,7 +1,10 @@
 //! Reports as other programs read them: as a typed [`Fit`], and by the schema `docs/fit.schema.json`.
 
 use boon::{Compiler, SchemaIndex, Schemas};
-use narrowbeam::fit::Fit;
+use narrowbeam::Result as Fallible;
+use narrowbeam::filter::Filter;
+use narrowbeam::fit::{self, Fit, SceneFit, Settings};
+use narrowbeam::scene::ObservedScene;
 use schemars::generate::SchemaSettings;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -48,4 +51,29 @@ pub fn read_all(dir: &Path, arguments: &[&str], stdout: &str) {
         let out = arguments.iter().position(|a| *a == "--out").map_or("narrowbeam-fit", |i| arguments[i + 1]);
         read(&std::fs::read_to_string(dir.join(out).join("fit.json")).unwrap());
     }
+}
+
+/// [`fit::fit_scenes`], whose report must conform.
+pub fn fit_scenes(
+    scenes: &[ObservedScene],
+    settings: &Settings,
+    filter: Filter,
+    progress: &dyn Fn(),
+) -> Fallible<SceneFit> {
+    fit::fit_scenes(scenes, settings, filter, progress).inspect(|fit| check(&fit.report))
+}
+
+/// [`fit::select`], whose report must conform.
+pub fn select(
+    scenes: &[ObservedScene],
+    settings: &Settings,
+    filter: Filter,
+    tolerance: f64,
+    progress: &dyn Fn(),
+) -> Fallible<SceneFit> {
+    fit::select(scenes, settings, filter, tolerance, progress).inspect(|fit| check(&fit.report))
+}
+
+fn check(fit: &Fit) {
+    read(&serde_json::to_string_pretty(fit).unwrap());
 }

@@ -17,13 +17,13 @@ const FAST: f64 = 1e-4;
 fn the_fast_path_renders_what_is_defined() {
     let phase = Gaussian::new(B).unwrap();
     println!(
-        "scene                              model                relative L2 at .3, 1, 5 px (wide-angle 2)"
+        "scene                              model                relative L2 at .3, 1, 5 px (wide-angle 2, once 5)"
     );
     for (i, (name, _)) in Scene::all(1.0).into_iter().enumerate() {
         for model in Model::ALL {
             let optics = optics(model, &phase);
-            // The definition sums over all of a kernel's reach, and grazing light goes far.
-            let widest = if model == Model::WideAngle { 2.0 } else { 5.0 };
+            // The definition sums over all of a kernel's reach, and grazing light goes far: one scene shows it.
+            let widest = if model == Model::WideAngle && i > 0 { 2.0 } else { 5.0 };
             let errors = [0.3, 1.0, widest].map(|width_px| {
                 let scene = Scene::all(width_px).swap_remove(i).1;
                 let definition = scene.definition(Filter::Composite, &optics);

@@ -4,7 +4,7 @@ use crate::common::{pixels, texture};
 use narrowbeam::filter::cpu::CpuFilter;
 use narrowbeam::filter::{Filter, Optics, Target, composite_sum};
 use narrowbeam::geometry::{Camera, Field, Geometry};
-use narrowbeam::image::{Border, Image, View};
+use narrowbeam::image::{Border, Image, Sampling, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::Gaussian;
 use narrowbeam::relief::Relief;
@@ -72,6 +72,7 @@ impl Scene {
             behind: &self.behind,
             geometry: &self.geometry,
             border: self.border,
+            sampling: Sampling::Pixel,
             view: View::whole(self.geometry.width, self.geometry.height),
             relief: Some(&self.relief).filter(|_| filter == Filter::Composite),
         }

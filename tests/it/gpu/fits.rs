@@ -2,11 +2,12 @@
 
 use super::gpu;
 use super::scenes::Scene;
+use crate::common::report::fit_scenes;
 use crate::common::{bundled, with_noise};
 use narrowbeam::filter::cpu::CpuFilter;
 use narrowbeam::filter::gpu::GpuFilter;
 use narrowbeam::filter::{Backend, Filter, Optics};
-use narrowbeam::fit::{ChannelFit, NoiseTerm, Observation, Settings, VeilTerm, fit_channel, fit_scenes};
+use narrowbeam::fit::{ChannelFit, NoiseTerm, Observation, Settings, VeilTerm, fit_channel};
 use narrowbeam::image::Image;
 use narrowbeam::medium::Medium;
 use narrowbeam::scene::{FitOptions, Gain, ObservedScene};

@@ -3,7 +3,7 @@
 use crate::common::texture;
 use narrowbeam::filter::{Filter, Target};
 use narrowbeam::geometry::{Camera, Field, Geometry};
-use narrowbeam::image::{Border, Image, View};
+use narrowbeam::image::{Border, Image, Sampling, View};
 use narrowbeam::relief::Relief;
 
 /// Length of a pixel, and the depth about which a [`Scene::slope`] lies.
@@ -86,6 +86,7 @@ impl Scene {
             behind: &self.behind,
             geometry: &self.geometry,
             border: self.border,
+            sampling: Sampling::Pixel,
             view: self.view,
             relief: self.relief.as_ref(),
         }

@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::filter::{Backend, Filter, Optics, Target, hidden_share};
 use crate::geometry::path_lengths;
-use crate::image::{Channel, Image};
+use crate::image::{Channel, Image, Sampling};
 use crate::io::exr::ExrFile;
 use crate::lab::compare::{RmsError, rms_error};
 use crate::medium::Medium;
@@ -118,6 +118,7 @@ impl Dataset {
             behind: &self.scene().behind[c],
             geometry: &self.scene().geometry,
             border: self.scene().border,
+            sampling: Sampling::Pixel,
             view: self.scene().view,
             relief,
         }

@@ -1,0 +1,128 @@
+//! What is unlike white noise of the stated level in a residual that no fault of the image explains.
+
+use super::SIGNIFICANT;
+use super::cause::Cause;
+use super::finding::Finding;
+use super::frame::Frame;
+use super::noise::Lag;
+use super::projected::Projected;
+use crate::fit::observation::NoiseTerm;
+use nalgebra::DVector;
+
+/// Excess of variance over what was stated that matters.
+const EXCESS: f64 = 0.1;
+/// Robust standard deviations beyond which a pixel is an outlier: by chance one of 500 million is.
+const FAR: f64 = 6.0;
+/// Share of a normal distribution within one standard deviation.
+const ONE_SIGMA: f64 = 0.682_689;
+/// Pixels of exactly the highest value, and their share, from which on that is a ceiling.
+const CEILING: (usize, f64) = (8, 5e-4);
+/// Squares of residuals over their variance count as no more than this where their relation to brightness is sought, lest
+/// outliers decide.
+const MOST_SQUARE: f64 = 9.0;
+/// Change of the variance with the brightness, per standard deviation of the latter, that matters.
+const LEAST_TREND: f64 = 0.1;
+
+/// A residual in units of the assumed noise, and its variance.
+pub(super) struct Anomalies<'x> {
+    pub frame: &'x Frame<'x>,
+    pub projected: &'x Projected,
+    pub residual: &'x [f64],
+    pub variance: f64,
+    pub scene: usize,
+}
+
+impl Anomalies<'_> {
+    /// All that is significant.
+    pub(super) fn findings(&self, correlation: &[Lag]) -> Vec<Finding> {
+        let all =
+            [self.outliers(), self.ceiling(), self.level(), self.brightness(), self.correlated(correlation)];
+        all.into_iter().flatten().filter(|finding| finding.significance > SIGNIFICANT).collect()
+    }
+
+    /// Amplitude, its standard error, drop of chi² and significance of a cause that moves no estimate by itself.
+    fn found(&self, cause: Cause, [amplitude, std_error, delta_chi2, significance]: [f64; 4]) -> Finding {
+        let bias = DVector::zeros(self.projected.bias.nrows());
+        let (alternatives, scene) = (Vec::new(), self.scene);
+        Finding { cause, alternatives, scene, amplitude, std_error, delta_chi2, significance, bias }
+    }
+
+    /// Pixels farther off than noise is.
+    fn outliers(&self) -> Option<Finding> {
+        let mut magnitudes: Vec<f64> = self.residual.iter().map(|r| r.abs()).collect();
+        let last = magnitudes.len().checked_sub(1)?;
+        let middle = ((magnitudes.len() as f64 * ONE_SIGMA) as usize).min(last);
+        let (_, sigma, _) = magnitudes.select_nth_unstable_by(middle, f64::total_cmp);
+        let limit = FAR * *sigma;
+        let far = |r: &f64| limit > 0.0 && r.abs() > limit;
+        let alone: Vec<f64> = self.residual.iter().map(|r| if far(r) { *r } else { 0.0 }).collect();
+        let count = self.residual.iter().filter(|r| far(r)).count() as f64;
+        let square: f64 = alone.iter().map(|r| r * r).sum();
+        let bias = self.projected.bias_by(self.frame, &alone);
+        let found = self.found(Cause::Outliers, [count, count.sqrt(), square, square.sqrt()]);
+        (count > 0.0).then_some(Finding { bias, ..found })
+    }
+
+    /// Many pixels of exactly the highest value.
+    fn ceiling(&self) -> Option<Finding> {
+        let pixels = self.frame.observed().counted();
+        let highest = pixels.iter().map(|p| p.value).fold(f32::NEG_INFINITY, f32::max);
+        let count = pixels.iter().filter(|p| p.value >= highest).count();
+        let (fewest, share) = CEILING;
+        let is_ceiling = count >= fewest && count as f64 >= share * pixels.len() as f64 && highest > 0.0;
+        let n = count as f64;
+        // Of a continuous distribution no two values are the same.
+        is_ceiling.then(|| self.found(Cause::Saturation, [n, n.sqrt(), n, SIGNIFICANT + n.sqrt()]))
+    }
+
+    /// A noise that is larger than was stated.
+    fn level(&self) -> Option<Finding> {
+        self.frame.observed().observation.noise?;
+        let n = self.residual.len() as f64;
+        let (excess, error) = (self.variance - 1.0, (2.0 / n).sqrt());
+        let ratio = self.variance.sqrt();
+        let numbers = [ratio, 0.5 * error * ratio, excess * n, excess / error];
+        (excess > EXCESS).then(|| self.found(Cause::NoiseModel, numbers))
+    }
+
+    /// A variance that follows the brightness, where one number is assumed.
+    fn brightness(&self) -> Option<Finding> {
+        let given = self.frame.observed().observation.noise;
+        if matches!(given, Some(NoiseTerm::Variance(_))) || self.variance <= 0.0 {
+            return None;
+        }
+        let pixels = self.frame.observed().counted();
+        let n = pixels.len() as f64;
+        let light: Vec<f64> =
+            pixels.iter().map(|p| f64::from(self.frame.light().data[p.index as usize])).collect();
+        let square: Vec<f64> =
+            self.residual.iter().map(|r| (r * r / self.variance).min(MOST_SQUARE)).collect();
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / n;
+        let (mean_light, mean_square) = (mean(&light), mean(&square));
+        let (mut both, mut lights, mut squares) = (0.0, 0.0, 0.0);
+        for (l, s) in light.iter().zip(&square) {
+            let (l, s) = (l - mean_light, s - mean_square);
+            (both, lights, squares) = (both + l * s, lights + l * l, squares + s * s);
+        }
+        if lights <= 0.0 || squares <= 0.0 {
+            return None;
+        }
+        let trend = both / lights * (lights / n).sqrt();
+        let error = (squares / n / n).sqrt();
+        let z = trend.abs() / error;
+        (trend.abs() > LEAST_TREND).then(|| self.found(Cause::NoiseModel, [trend, error, z * z, z]))
+    }
+
+    /// Noise that neighbours share.
+    fn correlated(&self, correlation: &[Lag]) -> Option<Finding> {
+        let square: f64 = correlation.iter().map(|lag| lag.pairs * lag.correlation.powi(2)).sum();
+        let freedom = correlation.len() as f64;
+        // A sum of squares of standard normal numbers, as a normal one (Wilson and Hilferty 1931).
+        let spread = 2.0 / (9.0 * freedom);
+        let z = ((square / freedom).cbrt() - (1.0 - spread)) / spread.sqrt();
+        let largest =
+            correlation.iter().map(|lag| lag.correlation).max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+        let error = 1.0 / (self.residual.len() as f64).sqrt();
+        Some(self.found(Cause::CorrelatedNoise, [largest, error, square, z]))
+    }
+}

@@ -1,0 +1,249 @@
+//! The images along which causes leave residuals, at the optimum of a fit.
+
+use super::cause::Cause;
+use crate::error::{Error, Result};
+use crate::filter::{Target, motion};
+use crate::fit::inference::displacement::Displacement;
+use crate::fit::observation::{Observation, VeilTerm};
+use crate::forward::{Quantity, State};
+use crate::image::{Border, Image};
+use crate::scene::Registration;
+use std::f64::consts::PI;
+
+/// Step of the phase function's coordinate, ln B or ln(1 - g), for its second difference: kernels become 13 % wider, for
+/// which models are padded.
+const PHASE_STEP: f64 = 0.25;
+/// Relative change of depth for its derivative.
+const DEPTH_STEP: f64 = 0.02;
+/// Share of outside light below which there is none.
+const LEAST_OUTSIDE: f64 = 1e-4;
+
+/// A factor that varies over the view: x and y from its middle, in units of half its diagonal.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Factor {
+    One,
+    X,
+    Y,
+    Square,
+}
+
+const GRADIENT: [Factor; 2] = [Factor::X, Factor::Y];
+const FIELD: [Factor; 3] = [Factor::X, Factor::Y, Factor::Square];
+
+/// An image times a factor.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Column {
+    /// Number of the image; `None` for the image 1.
+    image: Option<usize>,
+    factor: Factor,
+}
+
+/// The columns of one scene, in units of its observation.
+pub(super) struct Columns {
+    images: Vec<Image>,
+    size_px: [usize; 2],
+    gain: f32,
+    /// What the model is known to err.
+    errors: Vec<Column>,
+    /// The columns of each cause.
+    causes: Vec<(Cause, Vec<Column>)>,
+}
+
+impl Columns {
+    /// Those of scene number `scene` of `fit`, whose model errs by the images `errors`.
+    pub(super) fn new(fit: &Displacement, scene: usize, errors: &[&Image]) -> Result<Self> {
+        let observation = fit.observed[scene].observation;
+        let mut this = Self {
+            images: Vec::new(),
+            size_px: [observation.observed.width, observation.observed.height],
+            gain: fit.exposures[scene].gain as f32,
+            errors: Vec::new(),
+            causes: Vec::new(),
+        };
+        for error in errors {
+            let column = this.add((*error).clone());
+            this.errors.push(column);
+        }
+        let state = fit.parameters.state(scene)?;
+        let light = fit.models.get(scene).image(&state)?;
+        this.add_motion(&light, &observation)?;
+        this.add_levels(&light, &observation);
+        this.add_phase_function(fit, scene, &light)?;
+        this.add_depth(fit, scene, &state, &light)?;
+        this.add_surroundings(fit, scene, &state)?;
+        Ok(this)
+    }
+
+    /// The value of `column` at the pixel `index` of the view.
+    pub(super) fn value(&self, column: Column, index: usize) -> f64 {
+        let value = column.image.map_or(1.0, |i| f64::from(self.images[i].data[index]));
+        if column.factor == Factor::One {
+            return value;
+        }
+        let half = 0.5 * (self.size_px[0] as f64).hypot(self.size_px[1] as f64);
+        let [x, y] = self.place_px(index).map(|c| c / half);
+        match column.factor {
+            Factor::One => value,
+            Factor::X => value * x,
+            Factor::Y => value * y,
+            Factor::Square => value * (x * x + y * y),
+        }
+    }
+
+    /// All columns, those of errors first.
+    pub(super) fn all(&self) -> impl Iterator<Item = Column> + '_ {
+        self.errors.iter().chain(self.causes.iter().flat_map(|(_, columns)| columns)).copied()
+    }
+
+    /// Number of columns of errors.
+    pub(super) fn error_count(&self) -> usize {
+        self.errors.len()
+    }
+
+    /// Each cause with the numbers of its columns among all.
+    pub(super) fn causes(&self) -> Vec<(Cause, Vec<usize>)> {
+        let mut next = self.errors.len();
+        let numbered = |(cause, columns): &(Cause, Vec<Column>)| {
+            let numbers = (next..next + columns.len()).collect();
+            next += columns.len();
+            (*cause, numbers)
+        };
+        self.causes.iter().map(numbered).collect()
+    }
+
+    /// The pixel `index` seen from the middle of the view, px.
+    fn place_px(&self, index: usize) -> [f64; 2] {
+        let middle = |i: usize, n: usize| i as f64 + 0.5 - 0.5 * n as f64;
+        let [width, height] = self.size_px;
+        [middle(index % width, width), middle(index / width, height)]
+    }
+
+    /// Adds an image of the object's light, as it is observed.
+    fn add(&mut self, mut image: Image) -> Column {
+        image.data.iter_mut().for_each(|v| *v *= self.gain);
+        self.images.push(image);
+        Column { image: Some(self.images.len() - 1), factor: Factor::One }
+    }
+
+    fn add_cause(&mut self, cause: Cause, image: Image) {
+        let column = self.add(image);
+        self.causes.push((cause, vec![column]));
+    }
+
+    fn made(&self, value: impl Fn(usize) -> f64) -> Image {
+        let [width, height] = self.size_px;
+        Image { width, height, data: (0..width * height).map(|i| value(i) as f32).collect() }
+    }
+
+    /// How the image of `light` moves, and how it blurs.
+    fn add_motion(&mut self, light: &Image, observation: &Observation) -> Result<()> {
+        let motion = motion(light)?;
+        let moved = |axis: usize, i: usize| f64::from(motion[axis].data[i]);
+        let turned = self.made(|i| {
+            let [x, y] = self.place_px(i);
+            (x * moved(1, i) - y * moved(0, i)) * PI / 180.0
+        });
+        let scaled = self.made(|i| {
+            let [x, y] = self.place_px(i);
+            x * moved(0, i) + y * moved(1, i)
+        });
+        let [width, height] = self.size_px;
+        let at = |x: usize, y: usize| f64::from(light.at(x, y));
+        let blurred = self.made(|i| {
+            let (x, y) = (i % width, i / width);
+            let (right, down) = ((x + 1).min(width - 1), (y + 1).min(height - 1));
+            let (left, up) = (x.saturating_sub(1), y.saturating_sub(1));
+            0.5 * (at(left, y) + at(right, y) + at(x, up) + at(x, down) - 4.0 * at(x, y))
+        });
+        if observation.registration == Registration::None {
+            let columns = motion.map(|image| self.add(image)).to_vec();
+            self.causes.push((Cause::Shift, columns));
+        }
+        self.add_cause(Cause::Rotation, turned);
+        self.add_cause(Cause::Scale, scaled);
+        self.add_cause(Cause::Blur, blurred);
+        Ok(())
+    }
+
+    /// What gain, veil and response do to the image of `light`.
+    fn add_levels(&mut self, light: &Image, observation: &Observation) {
+        let Column { image, .. } = self.add(light.clone());
+        let field = FIELD.map(|factor| Column { image, factor });
+        self.causes.push((Cause::GainField, field.to_vec()));
+        let constant = (!matches!(observation.veil, VeilTerm::Free)).then_some(Factor::One);
+        let veil = constant.into_iter().chain(FIELD).map(|factor| Column { image: None, factor });
+        self.causes.push((Cause::Veil, veil.collect()));
+        let mean = light.mean().max(f64::MIN_POSITIVE);
+        let bent = self.made(|i| {
+            let share = f64::from(light.data[i]) / mean;
+            if share > 0.0 { mean * share * share.ln() } else { 0.0 }
+        });
+        self.add_cause(Cause::Transfer, bent);
+    }
+
+    /// The second difference of `light` in the width of the phase function: part of it is wider, part of it narrower.
+    fn add_phase_function(&mut self, fit: &Displacement, scene: usize, light: &Image) -> Result<()> {
+        let phase = fit.parameters.of(Quantity::Phase);
+        let model = fit.models.get(scene);
+        if phase.is_absent() || model.noise().is_some() {
+            return Ok(());
+        }
+        let at = |step: f64| -> Result<Image> {
+            let value = phase.value_at(phase.coordinate() + step);
+            model.image(&fit.parameters.with_phase(value).state(scene)?)
+        };
+        let Some([wider, narrower]) = known([at(PHASE_STEP), at(-PHASE_STEP)])? else { return Ok(()) };
+        let bent = self.made(|i| {
+            let [wider, narrower, here] = [&wider, &narrower, light].map(|image| f64::from(image.data[i]));
+            (wider - 2.0 * here + narrower) / (PHASE_STEP * PHASE_STEP)
+        });
+        self.add_cause(Cause::PhaseTail, bent);
+        Ok(())
+    }
+
+    /// How the light changes with the depth.
+    fn add_depth(&mut self, fit: &Displacement, scene: usize, state: &State, light: &Image) -> Result<()> {
+        if fit.models.get(scene).noise().is_some() {
+            return Ok(());
+        }
+        let target = fit.observed[scene].observation.target;
+        let geometry = target.geometry.deeper(DEPTH_STEP);
+        let target = Target { geometry: &geometry, ..target };
+        let Some([deeper]) = known([fit.engine.image(target, state, scene, 1.0)])? else { return Ok(()) };
+        let change = self.made(|i| f64::from(deeper.data[i] - light.data[i]) / DEPTH_STEP);
+        let Column { image, .. } = self.add(change);
+        self.causes.push((Cause::DepthGradient, GRADIENT.map(|factor| Column { image, factor }).to_vec()));
+        Ok(())
+    }
+
+    /// Light of the mean radiance from outside the clear image.
+    fn add_surroundings(&mut self, fit: &Displacement, scene: usize, state: &State) -> Result<()> {
+        let target = fit.observed[scene].observation.target;
+        let level = target.radiance.mean() as f32;
+        let even = Image { data: vec![level; target.radiance.data.len()], ..*target.radiance };
+        let behind: Vec<Image> = target.behind.iter().map(|_| even.clone()).collect();
+        let seen = |border: Border| {
+            let target = Target { radiance: &even, behind: &behind, border, ..target };
+            fit.engine.without_noise().image(target, state, scene, 1.0)
+        };
+        let Some([all, inside]) = known([seen(Border::Clamp), seen(Border::Zero)])? else { return Ok(()) };
+        let outside = self.made(|i| f64::from(all.data[i] - inside.data[i]));
+        if outside.data.iter().all(|&v| f64::from(v) <= LEAST_OUTSIDE * f64::from(level)) {
+            return Ok(());
+        }
+        let Column { image, .. } = self.add(outside);
+        let columns = [Factor::One, Factor::X, Factor::Y].map(|factor| Column { image, factor });
+        self.causes.push((Cause::OutsideLight, columns.to_vec()));
+        Ok(())
+    }
+}
+
+/// What was rendered; `None` where a model has no kernels.
+fn known<const N: usize>(images: [Result<Image>; N]) -> Result<Option<[Image; N]>> {
+    let images = images.into_iter().collect::<Result<Vec<Image>>>();
+    match images {
+        Err(error) if error.is_about_model() => Ok(None),
+        Err(Error::OutOfRange { .. }) => Ok(None),
+        images => Ok(Some(images?.try_into().expect("as many as were asked for"))),
+    }
+}

@@ -1,0 +1,126 @@
+//! All columns of one scene, pixel by pixel, in units of the noise.
+
+use super::columns::{Column, Columns};
+use crate::error::Result;
+use crate::fit::inference::displacement::Displacement;
+use crate::fit::observation::{LinearTerm, Observed};
+use crate::forward::{Exposure, Pixel, derivatives};
+use crate::image::Image;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Pixels summed together.
+const CHUNK: usize = 4096;
+
+/// The columns of one scene: linear terms, derivatives in the parameters, errors and causes, residual.
+pub(super) struct Frame<'x> {
+    observed: &'x Observed<'x>,
+    columns: &'x Columns,
+    exposure: Exposure,
+    light: Image,
+    linear: Vec<LinearTerm>,
+    derivatives: Vec<Derivative>,
+    extra: Vec<Column>,
+}
+
+/// The image's derivative in one coordinate.
+struct Derivative {
+    row: usize,
+    slope: f64,
+    image: Image,
+}
+
+impl<'x> Frame<'x> {
+    /// That of scene number `scene` of `fit`.
+    pub(super) fn new(fit: &'x Displacement, scene: usize, columns: &'x Columns) -> Result<Self> {
+        let observed = &fit.observed[scene];
+        let rendering = fit.models.get(scene).rendering(&fit.parameters.state(scene)?)?;
+        let exposure = fit.exposures[scene];
+        let chain = fit.parameters.chain();
+        let derivative = |(quantity, image): (_, &Image)| {
+            let row = fit.parameters.moving(quantity, scene)?.row();
+            Some(Derivative { row, slope: chain[row] * exposure.gain, image: image.clone() })
+        };
+        Ok(Self {
+            observed,
+            columns,
+            exposure,
+            linear: LinearTerm::free(&observed.observation),
+            derivatives: derivatives(&rendering).into_iter().filter_map(derivative).collect(),
+            extra: columns.all().collect(),
+            light: rendering.image,
+        })
+    }
+
+    /// Numbers of the columns of linear terms, of derivatives, and of errors and causes; the residual comes last.
+    pub(super) fn ranges(&self) -> [Range<usize>; 3] {
+        let (l, p, e) = (self.linear.len(), self.derivatives.len(), self.extra.len());
+        [0..l, l..l + p, l + p..l + p + e]
+    }
+
+    /// The row of the coordinate that each derivative is taken in.
+    pub(super) fn rows(&self) -> impl Iterator<Item = usize> + '_ {
+        self.derivatives.iter().map(|d| d.row)
+    }
+
+    /// Number of all columns.
+    pub(super) fn size(&self) -> usize {
+        self.linear.len() + self.derivatives.len() + self.extra.len() + 1
+    }
+
+    /// The scene.
+    pub(super) fn observed(&self) -> &Observed<'x> {
+        self.observed
+    }
+
+    /// The object's light that was fitted.
+    pub(super) fn light(&self) -> &Image {
+        &self.light
+    }
+
+    /// All columns at `pixel`.
+    fn fill(&self, pixel: &Pixel, out: &mut [f64]) {
+        let i = pixel.index as usize;
+        let scale = f64::from(pixel.weight).sqrt() / self.observed.noise;
+        let light = f64::from(self.light.data[i]);
+        let linear = self.linear.iter().map(|term| match term {
+            LinearTerm::Veil => 1.0,
+            LinearTerm::Gain => light,
+        });
+        let slopes = self.derivatives.iter().map(|d| f64::from(d.image.data[i]) * d.slope);
+        let extra = self.extra.iter().map(|column| self.columns.value(*column, i));
+        let Exposure { gain, veil } = self.exposure;
+        let residual = f64::from(pixel.value) - veil - gain * light;
+        let all = linear.chain(slopes).chain(extra).chain([residual]);
+        out.iter_mut().zip(all).for_each(|(out, value)| *out = scale * value);
+    }
+
+    /// Products of all columns with each other.
+    pub(super) fn gram(&self) -> DMatrix<f64> {
+        let size = self.size();
+        let chunk = |pixels: &[Pixel]| {
+            let (mut row, mut sums) = (vec![0.0; size], vec![0.0; size * size]);
+            for pixel in pixels {
+                self.fill(pixel, &mut row);
+                for (i, (sums, left)) in sums.chunks_exact_mut(size).zip(&row).enumerate() {
+                    sums[i..].iter_mut().zip(&row[i..]).for_each(|(sum, right)| *sum += left * right);
+                }
+            }
+            DMatrix::from_row_slice(size, size, &sums)
+        };
+        let chunks: Vec<_> = self.observed.counted().par_chunks(CHUNK).map(chunk).collect();
+        let upper = chunks.into_iter().fold(DMatrix::zeros(size, size), |sum, chunk| sum + chunk);
+        DMatrix::from_fn(size, size, |i, j| upper[(i.min(j), i.max(j))])
+    }
+
+    /// A combination of the columns at each pixel that counts.
+    pub(super) fn combination(&self, parts: &DVector<f64>) -> Vec<f64> {
+        let value = |row: &mut Vec<f64>, pixel: &Pixel| {
+            self.fill(pixel, row);
+            row.iter().zip(parts).map(|(value, part)| value * part).sum::<f64>()
+        };
+        let pixels = self.observed.counted();
+        pixels.par_iter().map_init(|| vec![0.0; self.size()], value).collect()
+    }
+}
