@@ -4,6 +4,7 @@
 //! synthesize. Whatever is missing, unknown, contradictory or out of range is refused, by name of file and key or pixel; what
 //! is returned needs no further checks.
 
+mod background;
 mod fit_options;
 mod format;
 mod illumination;

@@ -38,7 +38,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let scenes = arguments.scenes.iter().map(|path| Scene::read(path)).collect::<crate::Result<Vec<_>>>()?;
     let media = scenes[0].media(arguments.medium.values())?;
     let chosen = Chosen::new(arguments.rendering.backend, &scenes, [1, 2])?;
-    let geometries: Vec<_> = scenes.iter().map(|scene| &scene.geometry).collect();
+    let geometries: Vec<_> = scenes.iter().map(|scene| (&scene.geometry, &scene.object[0].image)).collect();
     let progress = Progress::uncounted("predicting errors");
     let settings = Settings {
         model: arguments.rendering.model.for_media(&media, path_lengths(&geometries)),

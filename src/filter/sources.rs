@@ -24,8 +24,16 @@ pub(super) struct Source {
 /// One source for every pixel of the object image, row-major; `None` where there is nothing.
 pub(super) type Layer = Vec<Option<Source>>;
 
-/// The object alone if every pixel's light spreads freely; with its relief, the further layers too.
+/// The object alone if every pixel's light spreads freely; with its relief, the further layers too. What is black is no source.
 pub(super) fn layers(target: &Target) -> Vec<Layer> {
+    let mut all = surfaces(target);
+    let sources = all.iter_mut().flatten();
+    sources.for_each(|source| *source = source.filter(|s| s.light != 0.0));
+    all
+}
+
+/// The same with what is black.
+fn surfaces(target: &Target) -> Vec<Layer> {
     let Some(relief) = target.relief else {
         return vec![layer(target, &[], &target.geometry.depth, |i| (target.radiance.data[i], [0.0; 2]))];
     };

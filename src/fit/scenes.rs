@@ -8,7 +8,7 @@ use super::report::{Fit, Ways, suffix};
 use super::{Settings, fit_channel};
 use crate::error::{Error, Result};
 use crate::filter::{Filter, Target};
-use crate::geometry::{Geometry, path_lengths};
+use crate::geometry::path_lengths;
 use crate::image::{Channel, Image};
 use crate::relief::Relief;
 use crate::scene::{FitOptions, Noise, ObservedScene, Registration, Veil};
@@ -82,7 +82,7 @@ impl SceneFit {
 /// Refuses scenes that cannot be fitted together with `settings`, before any work is done.
 ///
 /// # Errors
-/// [`Error::Scene`] if the scenes have different channels, [`Error::NothingToFit`] if every parameter is fixed,
+/// [`Error::Scene`] if the scenes have different channels, or two of them the same observation, [`Error::NothingToFit`] if every parameter is fixed,
 /// [`Error::OutOfRange`] for a start outside its bounds, [`Error::NotShifted`] if an observation is to be registered by a model
 /// that does not render shifts.
 pub fn check_scenes(scenes: &[ObservedScene], settings: &Settings) -> Result<()> {
@@ -98,12 +98,21 @@ pub fn check_scenes(scenes: &[ObservedScene], settings: &Settings) -> Result<()>
             return Err(Error::Scene { path: scene.path.clone(), message });
         }
     }
+    for (i, ObservedScene { scene, observation }) in scenes.iter().enumerate() {
+        if let Some(before) = scenes[..i].iter().find(|before| before.observation.image == observation.image) {
+            let message = format!(
+                "what was observed is the same image as that of {}: counted twice, it would make the error bars too small",
+                before.scene.path.display()
+            );
+            return Err(Error::Scene { path: scene.path.clone(), message });
+        }
+    }
     let registers = |s: &ObservedScene| s.observation.registration != Registration::None;
     if !settings.engine().renders_shifts() && scenes.iter().any(registers) {
         return Err(Error::NotShifted);
     }
-    let depths: Vec<&Geometry> = scenes.iter().map(|s| &s.scene.geometry).collect();
-    let lengths = path_lengths(&depths);
+    let shown: Vec<_> = scenes.iter().map(|s| (&s.scene.geometry, &s.scene.object[0].image)).collect();
+    let lengths = path_lengths(&shown);
     for options in &first.fit {
         Parameters::new(options, settings.model, lengths).map_err(|e| e.about("[fit]"))?;
     }

@@ -218,14 +218,16 @@ impl<'a> Engine<'a> {
         Ok(Rendered { cut: model.coverage(&state)?.cut, image: model.image(&state)? })
     }
 
-    /// The object's light and the part of it that is not scattered, of `target` at `state`, by a model that has kernels.
+    /// The object's light at `state` and at `others`, and the part of it that is not scattered, of `target`, by a model that has
+    /// kernels.
     ///
     /// # Errors
     /// As [`ForwardModel::image`].
-    pub fn parts(&self, target: Target<'a>, state: &State) -> Result<Parts> {
+    pub fn parts(&self, target: Target<'a>, state: &State, others: &[State]) -> Result<Parts> {
         let filter = self.backend.prepare(target, &self.optics(state.medium), 1.0)?;
         let model = Filtered::new(self.model, filter);
-        Ok(Parts { direct: model.direct(state)?, whole: model.image(state)? })
+        let others = others.iter().map(|other| model.image(other)).collect::<Result<_>>()?;
+        Ok(Parts { direct: model.direct(state)?, whole: model.image(state)?, others })
     }
 
     /// The model whose fit says where that of this one begins, if it needs one.
@@ -270,4 +272,6 @@ pub struct Parts {
     pub whole: Image,
     /// What is not scattered.
     pub direct: Image,
+    /// All of it, at other states.
+    pub others: Vec<Image>,
 }

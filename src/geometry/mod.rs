@@ -33,9 +33,10 @@ impl Field {
     }
 
     /// The value at pixel (`x`, `y`) as the distance (length) of what is there, or `None` where nothing is: 0,
-    /// negative, infinite or above [`FARTHEST`].
+    /// negative, infinite or above [`FARTHEST`]; in a map also [`LARGEST_HALF`].
     pub fn distance(&self, x: usize, y: usize) -> Option<f64> {
-        Some(self.at(x, y)).filter(|&d| d > 0.0 && d <= FARTHEST)
+        let nothing = |d: f64| matches!(self, Field::Map(_)) && d == LARGEST_HALF;
+        Some(self.at(x, y)).filter(|&d| d > 0.0 && d <= FARTHEST && !nothing(d))
     }
 }
 
@@ -45,6 +46,9 @@ pub const EDGE_PITCHES: f64 = 4.0;
 
 /// The farthest distance at which an object is taken to be there (contract: beyond, a pixel is empty).
 pub const FARTHEST: f64 = 1e9;
+
+/// The largest number of 16-bit EXR files, which renderers write where they see nothing.
+pub const LARGEST_HALF: f64 = 65504.0;
 
 /// Relative distance by which a layer may lie before the one in front of it and still count as repeating it: two f32
 /// distances of one surface, each rounded a few times.

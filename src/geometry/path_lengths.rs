@@ -1,6 +1,7 @@
 //! How long the paths through the medium are.
 
 use super::Geometry;
+use crate::image::Image;
 
 /// Path lengths of all pixels of all scenes, length.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -11,16 +12,24 @@ pub struct PathLengths {
     pub longest: f64,
 }
 
-/// Path lengths over the pixels of all scenes; a flat scene counts as many times as it has pixels.
+/// Path lengths over the pixels of all scenes, each with its clear radiance, that send light; over all pixels if none does. A flat
+/// scene counts as many times as it has pixels.
 ///
 /// # Panics
 /// If no scene shows an object.
-pub fn path_lengths(scenes: &[&Geometry]) -> PathLengths {
+pub fn path_lengths(scenes: &[(&Geometry, &Image)]) -> PathLengths {
     let mut weighted: Vec<(f64, usize)> = Vec::new();
-    for geometry in scenes {
+    for (geometry, radiance) in scenes {
         let lengths = geometry.path_lengths();
-        let weight = if lengths.len() == 1 { geometry.width * geometry.height } else { 1 };
-        weighted.extend(lengths.into_iter().map(|z| (z, weight)));
+        if let [z] = lengths[..] {
+            weighted.push((z, geometry.width * geometry.height));
+            continue;
+        }
+        let pixels = (0..geometry.height).flat_map(|y| (0..geometry.width).map(move |x| (x, y)));
+        let lit = pixels.filter(|&(x, y)| radiance.at(x, y) != 0.0);
+        let lit: Vec<f64> = lit.filter_map(|(x, y)| geometry.path_length(x, y)).collect();
+        let lengths = if lit.is_empty() { lengths } else { lit };
+        weighted.extend(lengths.into_iter().map(|z| (z, 1)));
     }
     weighted.sort_by(|a, b| a.0.total_cmp(&b.0));
     let half = weighted.iter().map(|(_, weight)| weight).sum::<usize>() / 2;

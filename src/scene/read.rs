@@ -1,5 +1,6 @@
 //! From a scene file to a [`Scene`], an [`ObservedScene`] or a [`LitScene`].
 
+use super::background::empty_dark_background;
 use super::fit_options::read_fit;
 use super::format::{CameraSection, DepthKind, ObservationSection, SceneFile, parse};
 use super::illumination::{read_illumination, read_reflectance};
@@ -26,7 +27,7 @@ impl Scene {
     pub fn read(path: &Path) -> Result<Self> {
         let reader = Reader::open(path)?;
         let object = read_radiance(&reader.source, &reader.file.object)?;
-        reader.scene(object, planned_view)
+        Ok(seen(reader.scene(object, planned_view)?))
     }
 }
 
@@ -46,7 +47,7 @@ impl ObservedScene {
         );
         let object = object?;
         let object_path = object.path.clone();
-        let scene = reader.scene(object, observed_view)?;
+        let scene = seen(reader.scene(object, observed_view)?);
         check_contrast(&object_path, &scene)?;
         let observation = read_observation(source, file.observation.as_ref(), observed, &scene)?;
         Ok(Self { scene, observation })
@@ -73,6 +74,12 @@ impl LitScene {
         let illumination = read_illumination(source, file.illumination.as_ref(), &scene, shading.is_some())?;
         Ok(Self { scene, shading, illumination })
     }
+}
+
+/// `scene` as its own light shows it.
+fn seen(mut scene: Scene) -> Scene {
+    empty_dark_background(&mut scene.geometry, &scene.object, &scene.behind);
+    scene
 }
 
 /// Finds the part of the object image that is seen from `[observation]`.

@@ -7,7 +7,8 @@ use super::range::Range;
 use super::single_scatter::SingleScatter;
 use super::small_angle::SmallAngle;
 use super::wide_angle::layout::Layout;
-use super::wide_angle::{WideAngle, table_of};
+use super::wide_angle::table::Table;
+use super::wide_angle::{HandOver, WideAngle, table_of};
 use crate::error::{Error, Result, in_range};
 use crate::medium::Medium;
 use crate::phase::{Family, PhaseFunction};
@@ -121,10 +122,21 @@ impl Model {
             Model::NarrowBeamPrinted => matched(Profile::Erfc, Moments::Printed),
             Model::NarrowBeam => matched(Profile::Erfc, Moments::Exact),
             Model::SmallAngle => Ok(Box::new(SmallAngle::new(*medium, z))),
-            Model::WideAngle => Ok(Box::new(WideAngle::new(table_of(family), medium, z)?)),
+            Model::WideAngle => wide_angle(table_of(family), medium, z),
             Model::Traced => Err(Error::NoKernel),
         }
     }
+}
+
+/// The kernel of the `table`, or of small angles where a phase function is narrower than any in it.
+fn wide_angle(table: &Table, medium: &Medium, z: f64) -> Result<Box<dyn SpreadKernel>> {
+    let kernel = WideAngle::new(table, medium, z)?;
+    let octaves = table.layout().narrower(medium.phase().parameter());
+    Ok(if octaves.value > 0.0 {
+        Box::new(HandOver::new(kernel, *medium, z, octaves))
+    } else {
+        Box::new(kernel)
+    })
 }
 
 impl fmt::Display for Model {

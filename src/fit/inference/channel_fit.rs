@@ -33,6 +33,8 @@ pub struct ChannelFit {
     pub gauss_newton_step: DVector<f64>,
     /// By how many standard deviations blocks of residuals exceed what noise leaves in them.
     pub lack_of_fit: f64,
+    /// Reduced chi² over what a noise that neighbours share leaves of it, where the noise was estimated.
+    pub misfit: f64,
     /// What the residual says of the scenes, the largest drop of chi² first.
     pub findings: Vec<Finding>,
     /// Gain, veil, noise and chi² of each scene.

@@ -31,6 +31,12 @@ fn reference_error(family: Family) -> f64 {
     }
 }
 
+/// Second difference of the kernel in ln B by which its shape may be off: of a kernel like a Gaussian that moves 0.3 % of the scattered light,
+/// as much as the encircled energy of the reference is known to (same command).
+const SHAPE_ERROR: f64 = 0.01;
+/// Step of that difference.
+const SHAPE_STEP: f64 = 0.25;
+
 /// A part of a model's error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
@@ -83,27 +89,54 @@ impl ErrorImages {
     /// Those of the model of `fit`, one set for each phase function that it may have; `None` where the reference has no kernels.
     pub(super) fn all(fit: &Displacement) -> Result<Option<Vec<Self>>> {
         let light = fit.models.images(fit.parameters)?;
+        let sampling = between_pixels(fit, &light)?;
         let mut all = Vec::new();
         for phase in phases(fit.parameters) {
-            let at = fit.parameters.with_phase(phase);
-            let engine = Engine { model: REFERENCE, ..fit.engine };
-            let parts = |(scene, o): (usize, &Observation)| engine.parts(o.target, &at.state(scene)?);
-            let parts = match fit.observations().enumerate().map(parts).collect::<Result<Vec<Parts>>>() {
+            let reference = match reference(fit, phase) {
                 Err(error) if error.is_about_model() => return Ok(None),
-                parts => parts?,
+                reference => reference?,
             };
             let share = reference_error(fit.parameters.family()) as f32;
-            let table = parts.iter().map(|Parts { whole, direct }| apart(whole, direct, share)).collect();
-            let pairs = parts.iter().zip(&light);
-            let model = pairs.map(|(Parts { whole, .. }, light)| apart(whole, light, 1.0)).collect();
-            let mut sources = vec![(ErrorSource::Model, model), (ErrorSource::Table, table)];
-            if let Some(sampling) = between_pixels(fit, &light)? {
-                sources.push((ErrorSource::Sampling, sampling));
-            }
+            let each = |f: &dyn Fn(&Parts) -> Image| reference.iter().map(f).collect::<Vec<_>>();
+            let model = reference.iter().zip(&light).map(|(r, light)| apart(&r.whole, light, 1.0)).collect();
+            let mut sources = vec![
+                (ErrorSource::Model, model),
+                (ErrorSource::Table, each(&|r| apart(&r.whole, &r.direct, share))),
+                (ErrorSource::Table, each(&shape_error)),
+            ];
+            sources.extend(sampling.clone().map(|images| (ErrorSource::Sampling, images)));
             all.push(Self(sources));
         }
         Ok(Some(all))
     }
+}
+
+/// The light of all scenes by the reference, with this parameter of the phase function, and with a wider and a narrower one.
+fn reference(fit: &Displacement, phase: f64) -> Result<Vec<Parts>> {
+    let engine = Engine { model: REFERENCE, ..fit.engine };
+    let phase_of = |parameters: &Parameters| parameters.of(Quantity::Phase).clone();
+    let at = fit.parameters.with_phase(phase);
+    let [least, most] = REFERENCE.range(fit.parameters.family())?.phase;
+    let stepped = |step: f64| {
+        let parameter = phase_of(&at);
+        fit.parameters.with_phase(parameter.value_at(parameter.coordinate() + step).clamp(least, most))
+    };
+    let (wider, narrower) = (stepped(SHAPE_STEP), stepped(-SHAPE_STEP));
+    let parts = |(scene, o): (usize, &Observation)| {
+        let others = [wider.state(scene)?, narrower.state(scene)?];
+        engine.parts(o.target, &at.state(scene)?, &others)
+    };
+    fit.observations().enumerate().map(parts).collect()
+}
+
+/// What an error of the shape of the kernel may look like: part of the light is spread farther, part of it less.
+fn shape_error(reference: &Parts) -> Image {
+    let [wider, narrower] = &reference.others[..] else { unreachable!("two others were asked for") };
+    let pixel = |i: usize| {
+        let [w, n, r] = [wider, narrower, &reference.whole].map(|image| f64::from(image.data[i]));
+        (SHAPE_ERROR * (w - 2.0 * r + n) / (SHAPE_STEP * SHAPE_STEP)) as f32
+    };
+    Image { data: (0..reference.whole.data.len()).map(pixel).collect(), ..reference.whole }
 }
 
 /// Half of what another sampling of the clear image would change, where it is not known; `None` if it is.

@@ -139,7 +139,7 @@ fn levels(observations: &[Observation], fit: &ChannelFit) -> Vec<Candidate> {
     let level = |(i, observation): (usize, &Observation)| {
         let exposure = &fit.exposures[i];
         let response = exposure.gain_response.as_ref()?;
-        let z = path_lengths(&[observation.target.geometry]).median;
+        let z = path_lengths(&[(observation.target.geometry, observation.target.radiance)]).median;
         let absorbed = fit.parameters.direction(&[(Quantity::SigmaA, -z)]);
         let scene = if observations.len() > 1 { format!(" of scene {}", i + 1) } else { String::new() };
         Some(Candidate {

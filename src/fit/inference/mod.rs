@@ -52,6 +52,7 @@ pub(super) fn infer<'a>(task: &Task<'_, 'a>, mut optimum: Optimum<'a>) -> Result
         input_error: errors.of_inputs,
         gauss_newton_step: errors.gauss_newton_step,
         lack_of_fit: errors.lack_of_fit,
+        misfit: errors.misfit,
         findings: errors.findings,
         exposures: errors.exposures,
         covariance: errors.covariance,
@@ -109,6 +110,7 @@ struct Errors {
     of_inputs: InputError,
     findings: Vec<Finding>,
     lack_of_fit: f64,
+    misfit: f64,
 }
 
 impl Errors {
@@ -134,6 +136,7 @@ impl Errors {
         let lacking =
             scenes.map(|((o, image), scene)| lack_of_fit(o, image, |side| scene.block_inflation(side)));
         let lack_of_fit = lacking.fold(0.0, f64::max);
+        let misfit = size.reduced_chi2 / diagnosis.underestimated(&at_optimum);
         let wider = diagnosis.wider(&covariance, lack_of_fit > LACKING);
         covariance.widen(wider, parameters);
         if let Some(error) = &of_model {
@@ -141,6 +144,6 @@ impl Errors {
         }
         let exposures = exposures(equations, &optimum.observed, &covariance);
         let findings = diagnosis.findings;
-        Ok(Self { covariance, gauss_newton_step, exposures, of_model, of_inputs, findings, lack_of_fit })
+        Ok(Self { covariance, gauss_newton_step, exposures, of_model, of_inputs, findings, lack_of_fit, misfit })
     }
 }

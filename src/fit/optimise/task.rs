@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::fit::Settings;
 use crate::fit::observation::{Observation, Observed};
 use crate::fit::parameters::Parameters;
-use crate::geometry::{Geometry, PathLengths, path_lengths};
+use crate::geometry::{PathLengths, path_lengths};
 use crate::image::Image;
 use crate::scene::FitOptions;
 
@@ -28,7 +28,7 @@ pub(crate) struct Task<'x, 'a> {
 impl<'x> Task<'x, '_> {
     /// Path lengths of all scenes.
     pub(crate) fn lengths(&self) -> PathLengths {
-        let scenes: Vec<&Geometry> = self.observations.iter().map(|o| o.target.geometry).collect();
+        let scenes: Vec<_> = self.observations.iter().map(|o| (o.target.geometry, o.target.radiance)).collect();
         path_lengths(&scenes)
     }
 

@@ -109,8 +109,8 @@ fn misfit(&Case { suffix, fit, model }: &Case) -> Option<Warning> {
     };
     let is_noise = fit.lack_of_fit <= LACKING;
     let severity =
-        if fit.reduced_chi2 > CONTRADICTED && !is_noise { Severity::Invalid } else { Severity::Caution };
-    (fit.reduced_chi2 > MISFIT).then(|| Warning::new(WarningCode::Misfit, message()).of(severity))
+        if fit.misfit > CONTRADICTED && !is_noise { Severity::Invalid } else { Severity::Caution };
+    (fit.misfit > MISFIT).then(|| Warning::new(WarningCode::Misfit, message()).of(severity))
 }
 
 /// The residual holds something that moves an estimate, or that nothing explains.

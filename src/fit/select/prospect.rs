@@ -8,7 +8,7 @@ use crate::fit::observation::{Observation, Observed};
 use crate::fit::optimise::{Problem, SceneModels};
 use crate::fit::parameters::Parameters;
 use crate::forward::Exposure;
-use crate::geometry::{Geometry, path_lengths};
+use crate::geometry::path_lengths;
 use crate::image::Image;
 use crate::scene::FitOptions;
 
@@ -57,7 +57,7 @@ impl Prospect {
         pilot: &ChannelFit,
         progress: &dyn Fn(),
     ) -> Result<Option<Self>> {
-        let scenes: Vec<&Geometry> = observations.iter().map(|o| o.target.geometry).collect();
+        let scenes: Vec<_> = observations.iter().map(|o| (o.target.geometry, o.target.radiance)).collect();
         let mut parameters = match Parameters::new(options, settings.model, path_lengths(&scenes)) {
             Err(error) if error.is_about_model() => return Ok(None),
             parameters => parameters?,

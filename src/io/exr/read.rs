@@ -18,6 +18,9 @@ const MAX_PIXELS: usize = 1 << 28;
 /// promises more is damaged, and believing it could exhaust the memory.
 const MAX_COMPRESSION: usize = 2000;
 
+/// Deviation of pixelAspectRatio from 1 up to which pixels are square.
+const SQUARE: f32 = 1e-3;
+
 /// Size of the largest image that is believed whatever the length of its file, bytes.
 const SMALL_BYTES: usize = 1 << 22;
 
@@ -114,6 +117,7 @@ fn check_header(header: &Header, file_bytes: usize) -> std::result::Result<(), S
     if header.channels.list.iter().any(|c| (c.sampling.0, c.sampling.1) != (1, 1)) {
         return Err("subsampled channels are not supported".into());
     }
+    check_windows(header)?;
     let pixels = width.checked_mul(height).filter(|&n| n <= MAX_PIXELS);
     let bytes = pixels.and_then(|n| n.checked_mul(header.channels.bytes_per_pixel));
     let limit = file_bytes.saturating_mul(MAX_COMPRESSION).max(SMALL_BYTES);
@@ -121,6 +125,31 @@ fn check_header(header: &Header, file_bytes: usize) -> std::result::Result<(), S
         Some(n) if n <= limit => Ok(()),
         _ => Err(format!("its header promises {width}x{height} px, which the file cannot hold")),
     }
+}
+
+/// Refuses pixels that are not square, and images that are a part of the picture that they belong to: where they lie in it is not
+/// looked at.
+fn check_windows(header: &Header) -> std::result::Result<(), String> {
+    let aspect = header.shared_attributes.pixel_aspect;
+    if (aspect - 1.0).abs() > SQUARE {
+        return Err(format!("its pixelAspectRatio is {aspect}; resample it to square pixels"));
+    }
+    let (display, position) = (header.shared_attributes.display_window, header.own_attributes.layer_position);
+    if (position, header.layer_size) != (display.position, display.size) {
+        return Err(format!(
+            "its data window, {}x{} px at ({}, {}), is not its display window, {}x{} px at ({}, {}); save the whole picture, or \
+             crop it so that both are the same",
+            header.layer_size.0,
+            header.layer_size.1,
+            position.0,
+            position.1,
+            display.size.0,
+            display.size.1,
+            display.position.0,
+            display.position.1
+        ));
+    }
+    Ok(())
 }
 
 fn to_f32(samples: FlatSamples) -> Vec<f32> {

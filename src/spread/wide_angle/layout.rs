@@ -132,6 +132,20 @@ impl Layout {
         if coordinate > self.ends.0 { (coordinate, slope) } else { (self.ends.0, 0.0) }
     }
 
+    /// By how many octaves of the angle a phase function is narrower than any in the table, and its derivative in the parameter; below 0
+    /// for those in it.
+    pub(in crate::spread) fn narrower(&self, parameter: f64) -> Dual {
+        let (value, slope) = match self.family {
+            Family::Gaussian => (self.ends.0.ln() - 0.5 * (4.0 * parameter).ln(), -0.5 / parameter),
+            Family::HenyeyGreenstein => {
+                let coordinate = self.family.coordinate(parameter);
+                (0.5 * (self.ends.0 - coordinate), -0.5 / self.family.slope(parameter))
+            }
+        };
+        let octaves = std::f64::consts::LN_2.recip();
+        Dual { value: octaves * value, gradient: [0.0, 0.0, octaves * slope] }
+    }
+
     /// [`total_scale`] at a phase-function parameter.
     pub(super) fn total_scale(&self, parameter: f64) -> Dual {
         let slope = match self.family {

@@ -25,13 +25,17 @@
 //!   the layer, some -0.4. So the error falls geometrically with the number of nodes, and all derivatives are
 //!   continuous.
 //!
-//! The range is tau 0 to 12, sigma_a z 0 to 10, and spread angles up to 60 degrees or g from 0.5 on. The tables in `tables/` were
+//! The range is tau 0 to 12, sigma_a z 0 to 10, and spread angles up to 60 degrees or g from 0.5 on; below 0.5 degrees and beyond g 0.998
+//! small-angle theory takes over (`hand_over`). The tables in `tables/` were
 //! made by `narrowbeam table --paths 800000 --seed 1 --out tables/wide-angle.table` and `narrowbeam table --phase hg --paths
 //! 200000 --seed 1 --out tables/wide-angle-hg.table`, as their first lines say too.
 
+mod hand_over;
 #[doc(hidden)]
 pub mod layout;
 pub mod table;
+
+pub(super) use hand_over::HandOver;
 
 use super::{Dual, SpreadKernel};
 use crate::error::Result;

@@ -35,8 +35,10 @@ pub(super) struct Anomalies<'x> {
 impl Anomalies<'_> {
     /// All that is significant.
     pub(super) fn findings(&self, correlation: &[Lag]) -> Vec<Finding> {
-        let all =
-            [self.outliers(), self.ceiling(), self.level(), self.brightness(), self.correlated(correlation)];
+        // Of a level and a variance that are both wrong the more significant is told.
+        let of_noise = [self.level(), self.brightness()].into_iter().flatten();
+        let of_noise = of_noise.max_by(|a, b| a.significance.total_cmp(&b.significance));
+        let all = [self.outliers(), self.ceiling(), of_noise, self.correlated(correlation)];
         all.into_iter().flatten().filter(|finding| finding.significance > SIGNIFICANT).collect()
     }
 
@@ -71,8 +73,11 @@ impl Anomalies<'_> {
         let (fewest, share) = CEILING;
         let is_ceiling = count >= fewest && count as f64 >= share * pixels.len() as f64 && highest > 0.0;
         let n = count as f64;
+        let whole = self.frame.combination(&self.projected.residual());
+        let at_ceiling = pixels.iter().zip(whole).filter(|(p, _)| p.value >= highest);
+        let square: f64 = at_ceiling.map(|(_, r)| r * r).sum();
         // Of a continuous distribution no two values are the same.
-        is_ceiling.then(|| self.found(Cause::Saturation, [n, n.sqrt(), n, SIGNIFICANT + n.sqrt()]))
+        is_ceiling.then(|| self.found(Cause::Saturation, [n, n.sqrt(), square.max(n), SIGNIFICANT + n.sqrt()]))
     }
 
     /// A noise that is larger than was stated.

@@ -10,6 +10,8 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::ops::Range;
 
+/// Root mean square error of renders relative to the observation.
+const RENDERED: f64 = 1e-4;
 /// Pixels summed together.
 const CHUNK: usize = 4096;
 
@@ -77,6 +79,13 @@ impl<'x> Frame<'x> {
     /// The object's light that was fitted.
     pub(super) fn light(&self) -> &Image {
         &self.light
+    }
+
+    /// Variance of a pixel by what renders are off, in units of the noise: what is less than that is no noise.
+    pub(super) fn rounding(&self) -> f64 {
+        let pixels = self.observed.counted();
+        let square: f64 = pixels.iter().map(|p| f64::from(p.value).powi(2) * f64::from(p.weight)).sum();
+        RENDERED * RENDERED * square / pixels.len() as f64 / (self.observed.noise * self.observed.noise)
     }
 
     /// All columns at `pixel`.

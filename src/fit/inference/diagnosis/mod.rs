@@ -73,6 +73,18 @@ impl Diagnosis {
         Ok(this)
     }
 
+    /// By how much the variance of the noise of `fit` was taken too small where it was estimated: by fine structure, of which
+    /// noise that neighbours share has less.
+    pub(super) fn underestimated(&self, fit: &Displacement) -> f64 {
+        let scenes = self.scenes.iter().zip(fit.observed);
+        let (sum, pixels) = scenes.fold((0.0, 0.0), |(sum, pixels), (noise, observed)| {
+            let n = observed.count() as f64;
+            let is_estimated = observed.observation.noise.is_none() && !noise.is_white();
+            (sum + n * if is_estimated { noise.variance.max(1.0) } else { 1.0 }, pixels + n)
+        });
+        sum / pixels
+    }
+
     /// Covariances of the coordinates that allow for what was found: a noise that is not white, and a residual that is not
     /// noise at all if it is `lacking`.
     pub(super) fn wider(&self, covariance: &Covariance, lacking: bool) -> Vec<DMatrix<f64>> {

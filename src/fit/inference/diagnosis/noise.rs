@@ -36,6 +36,7 @@ impl Noise {
         let residual = frame.combination(&projected.pure_residual());
         let freedom = (residual.len() as f64 - frame.size() as f64).max(1.0);
         let variance = residual.iter().map(|r| r * r).sum::<f64>() / freedom;
+        let variance = variance.max(frame.rounding());
         let mut correlation = Grid::new(frame, &residual).correlation();
         let anomalies = Anomalies { frame, projected, residual: &residual, variance, scene };
         let findings = anomalies.findings(&correlation);

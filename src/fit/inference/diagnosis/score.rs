@@ -13,6 +13,8 @@ use nalgebra::{DMatrix, DVector};
 const MOST: usize = 6;
 /// Share of the drop of chi² by the best cause with which another explains the same.
 const AS_WELL: f64 = 0.6;
+/// Share of the first cause's drop of chi² below which others may be what its own second order leaves.
+const SECOND_ORDER: f64 = 0.01;
 /// Share of the square of a column that must be left when what was fitted is taken out: renders are f32.
 const LEFT: f64 = 1e-6;
 
@@ -70,6 +72,10 @@ impl<'x> Scores<'x> {
             let tests: Vec<Test> = (0..self.causes.len()).filter_map(|number| self.test(number)).collect();
             let best = tests.iter().max_by(|a, b| a.significance.total_cmp(&b.significance));
             let Some(best) = best.filter(|best| best.significance > SIGNIFICANT) else { break };
+            let first = findings.first().map_or(0.0, |first: &Finding| first.delta_chi2);
+            if best.delta_chi2 < SECOND_ORDER * first {
+                break;
+            }
             let numbers = self.causes[best.number].1.clone();
             self.take_out(&numbers);
             let as_well = |test: &&Test| {

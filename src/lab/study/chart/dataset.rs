@@ -48,7 +48,7 @@ impl Dataset {
                 message: "[medium] has three values, but the object image has one channel".into(),
             });
         }
-        let z = path_lengths(&[&observed.scene.geometry]).median;
+        let z = path_lengths(&[(&observed.scene.geometry, &observed.scene.object[0].image)]).median;
         let whole = folder.canonicalize().unwrap_or_else(|_| folder.to_path_buf());
         let name = whole.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let mut set = Self { name, observed, truth, z, counted: Vec::new(), light: Vec::new() };
