@@ -1,6 +1,7 @@
 //! What the command line adds to errors: the options concerned, and the exit code.
 
 use crate::error::Error;
+use crate::fit::WarningCode;
 use std::process::ExitCode;
 
 /// Bad usage or input.
@@ -31,5 +32,14 @@ fn worded(error: &anyhow::Error) -> String {
         Some(Error::Gpu(_)) => format!("{error}, or use --backend cpu"),
         Some(Error::NoKernel) => format!("--model: {error}; use it with narrowbeam fit or render"),
         _ => error.to_string(),
+    }
+}
+
+/// The keys and options by which a warning of this kind can be answered.
+pub(super) fn answer(code: WarningCode) -> &'static str {
+    match code {
+        WarningCode::HiddenLight => " ([[object.layer]]; [observation] hidden_share_max)",
+        WarningCode::ModelError | WarningCode::OutsideValidity => " (--model auto)",
+        _ => "",
     }
 }

@@ -1,14 +1,14 @@
 //! `narrowbeam fit`: from observed scenes to a medium.
 
 use super::backend::Chosen;
-use super::errors::Usage;
+use super::errors::{Usage, answer};
 use super::names::WantedModel;
 use super::options::{RenderOptions, TracingOptions, positive, provenance};
 use super::progress::Progress;
 use super::{UNDETERMINED, aligned, say};
 use crate::fit::{
-    ChannelFit, Draws, Method, SceneFit, Settings, Ways, add_advice, bootstrap, check_scenes, fit_scenes,
-    profile, select,
+    ChannelFit, Draws, Method, SceneFit, Settings, Severity, Ways, add_advice, bootstrap, check_scenes,
+    fit_scenes, profile, select,
 };
 use crate::io::colour::{Tone, residual_scale};
 use crate::io::{atomic, exr, png};
@@ -174,7 +174,8 @@ fn print(arguments: &Arguments, fit: &SceneFit, chosen: &Chosen) -> Result<()> {
         say(&text)?;
     }
     for warning in &report.warnings {
-        eprintln!("warning ({}): {}", warning.code, warning.message);
+        let severity = if warning.severity == Severity::Invalid { "invalid" } else { "warning" };
+        eprintln!("{severity} ({}): {}{}", warning.code, warning.message, answer(warning.code));
     }
     Ok(())
 }

@@ -1,15 +1,18 @@
 //! A progress bar on stderr for work that takes longer than a second.
 //!
-//! It is fed with increments from any number of threads, stays hidden where stderr is no terminal, and vanishes
-//! when it is dropped.
+//! It is fed with increments from any number of threads, and vanishes when it is dropped. Where stderr is no terminal, long
+//! work prints a line now and then instead.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::io::IsTerminal;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::io::{IsTerminal, Write};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// Work shorter than this shows no bar.
 const PATIENCE: Duration = Duration::from_secs(1);
+
+/// Time between two lines where stderr is no terminal.
+const REPORT: Duration = Duration::from_secs(30);
 
 /// Redraws per second.
 const REFRESH_HZ: u8 = 8;
@@ -18,9 +21,13 @@ const REFRESH_HZ: u8 = 8;
 #[derive(Debug)]
 pub struct Progress {
     bar: ProgressBar,
+    /// What is done, and in what it is counted.
+    words: [String; 2],
     start: Instant,
     wanted: bool,
     shown: AtomicBool,
+    /// Lines that were printed.
+    lines: AtomicU64,
 }
 
 impl Progress {
@@ -32,7 +39,14 @@ impl Progress {
         let style = ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar());
         bar.set_style(style);
         let wanted = std::io::stderr().is_terminal();
-        Self { bar, start: Instant::now(), wanted, shown: AtomicBool::new(false) }
+        Self {
+            bar,
+            words: [task.into(), unit.into()],
+            start: Instant::now(),
+            wanted,
+            shown: AtomicBool::new(false),
+            lines: AtomicU64::new(0),
+        }
     }
 
     /// Time running, for work that cannot be counted.
@@ -62,6 +76,23 @@ impl Progress {
             self.bar.set_draw_target(ProgressDrawTarget::stderr_with_hz(REFRESH_HZ));
         }
         self.bar.inc(units);
+        if !self.wanted {
+            self.report();
+        }
+    }
+
+    /// Prints a line if the last one was long ago.
+    fn report(&self) {
+        let (elapsed, printed) = (self.start.elapsed(), self.lines.load(Ordering::Relaxed));
+        let due = (elapsed.as_secs_f64() / REPORT.as_secs_f64()) as u64;
+        let mine = || self.lines.compare_exchange(printed, due, Ordering::Relaxed, Ordering::Relaxed).is_ok();
+        if due > printed && mine() {
+            let ([task, unit], done) = (&self.words, self.bar.position());
+            let all =
+                self.bar.length().filter(|all| *all > 1).map_or(String::new(), |all| format!(" of {all}"));
+            // A broken stderr stops no work.
+            let _ = writeln!(std::io::stderr(), "{task}: {done}{all} {unit} after {} s", elapsed.as_secs());
+        }
     }
 }
 

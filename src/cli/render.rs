@@ -45,7 +45,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     check_outputs(arguments)?;
     let chosen = Chosen::new(arguments.rendering.backend, [&scene], [1, 1])?;
     let progress = Progress::uncounted("rendering");
-    let model = arguments.rendering.model.for_media(&media, path_lengths(&[(&scene.geometry, &scene.object[0].image)]));
+    let model = arguments
+        .rendering
+        .model
+        .for_media(&media, path_lengths(&[(&scene.geometry, &scene.object[0].image)]));
     let engine = Engine { model, backend: chosen.backend(), tracing: arguments.tracing.tracing() };
     let relief = arguments.rendering.filter.relief(&scene.geometry);
     let mut cut = false;

@@ -99,7 +99,8 @@ pub fn check_scenes(scenes: &[ObservedScene], settings: &Settings) -> Result<()>
         }
     }
     for (i, ObservedScene { scene, observation }) in scenes.iter().enumerate() {
-        if let Some(before) = scenes[..i].iter().find(|before| before.observation.image == observation.image) {
+        if let Some(before) = scenes[..i].iter().find(|before| before.observation.image == observation.image)
+        {
             let message = format!(
                 "what was observed is the same image as that of {}: counted twice, it would make the error bars too small",
                 before.scene.path.display()

@@ -14,6 +14,8 @@ pub(super) const BAR_TICKS: usize = 5;
 
 const TICK_PX: f64 = 14.0;
 const BAR_WIDTH_PX: i32 = 14;
+/// From one name of a legend to the next.
+const LEGEND_STEP_PX: i32 = 26;
 
 /// How the values of a panel become colours.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,6 +42,8 @@ pub enum Shade {
         /// Bands in a decade.
         per_decade: u8,
     },
+    /// Whole numbers that stand for these names, each with its colour.
+    Categories(&'static [(&'static str, [u8; 3])]),
 }
 
 impl Shade {
@@ -54,7 +58,10 @@ impl Shade {
     /// The colours of all pixels.
     pub(super) fn colours(&self, channels: &[Channel]) -> Vec<[u8; 3]> {
         match self {
-            Shade::Diverging { .. } | Shade::Sequential { .. } | Shade::Bands { .. } => {
+            Shade::Diverging { .. }
+            | Shade::Sequential { .. }
+            | Shade::Bands { .. }
+            | Shade::Categories(_) => {
                 mean_of_channels(channels).image.data.iter().map(|&v| self.colour(v.into())).collect()
             }
             Shade::Radiance(tone) if channels.len() == 3 => (0..channels[0].image.data.len())
@@ -71,6 +78,7 @@ impl Shade {
             Shade::Radiance(tone) => [tone.level(value); 3],
             Shade::Diverging { scale } => diverging(value / scale),
             Shade::Sequential { max } => sequential(value / max),
+            Shade::Categories(names) => names.get(value as usize).map_or(NOT_A_NUMBER, |(_, colour)| *colour),
             Shade::Bands { .. } if value <= 0.0 => sequential(0.0),
             Shade::Bands { decades, per_decade, .. } => {
                 let bands = f64::from(*decades) * f64::from(*per_decade);
@@ -85,6 +93,7 @@ impl Shade {
             Shade::Radiance(tone) => Scale { low: 0.0, high: tone.white, log: false },
             Shade::Diverging { scale } => Scale { low: -scale, high: *scale, log: false },
             Shade::Sequential { max } => Scale { low: 0.0, high: *max, log: false },
+            Shade::Categories(names) => Scale { low: 0.0, high: names.len() as f64, log: false },
             Shade::Bands { max, decades, .. } => {
                 Scale { low: max / 10f64.powi((*decades).into()), high: *max, log: true }
             }
@@ -98,6 +107,9 @@ impl Shade {
         (left, top): (i32, i32),
         height: i32,
     ) -> Drawn {
+        if let Shade::Categories(names) = self {
+            return draw_legend(root, (left, top), names);
+        }
         let scale = self.scale();
         let y_of = |value: f64| top + ((1.0 - scale.share(value)) * f64::from(height - 1)).round() as i32;
         for y in 0..height {
@@ -117,6 +129,24 @@ impl Shade {
     }
 }
 
+/// Draws a square of each colour with its name, one below the other.
+fn draw_legend<DB: DrawingBackend>(
+    root: &DrawingArea<DB, Shift>,
+    (left, top): (i32, i32),
+    names: &[(&'static str, [u8; 3])],
+) -> Drawn {
+    for (i, (name, [r, g, b])) in names.iter().enumerate() {
+        let y = top + i as i32 * LEGEND_STEP_PX;
+        let square = [(left, y), (left + BAR_WIDTH_PX, y + BAR_WIDTH_PX)];
+        let filled = Rectangle::new(square, RGBColor(*r, *g, *b).filled());
+        let frame = Rectangle::new(square, INK.stroke_width(1));
+        let words = Text::new(*name, (left + BAR_WIDTH_PX + 8, y + BAR_WIDTH_PX / 2), label(TICK_PX));
+        root.draw(&filled).and_then(|()| root.draw(&frame)).map_err(|e| e.to_string())?;
+        root.draw(&words).map_err(|e| e.to_string())?;
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -133,6 +163,13 @@ mod tests {
         }
         assert_ne!(shade.colour(0.0101), [255; 3]);
         assert_eq!(shade.colour(f64::NAN), NOT_A_NUMBER);
+    }
+
+    #[test]
+    fn categories_have_their_own_colours() {
+        let shade = Shade::Categories(&[("right", [1, 2, 3]), ("wrong", [4, 5, 6])]);
+        assert_eq!([0.0, 1.0].map(|v| shade.colour(v)), [[1, 2, 3], [4, 5, 6]]);
+        assert_eq!(shade.colour(2.0), NOT_A_NUMBER);
     }
 
     #[test]

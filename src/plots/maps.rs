@@ -29,6 +29,8 @@ const Y_AXIS_PX: u32 = 66;
 const GAP_PX: i32 = 10;
 /// Room for the colour bar with its numbers and label, px.
 const BAR_PX: i32 = 128;
+/// The same for a legend.
+const LEGEND_PX: i32 = 200;
 
 /// One map.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,6 +65,8 @@ pub struct MapGrid {
     pub x: Range<f64>,
     /// The vertical axis, from the bottom.
     pub y: Range<f64>,
+    /// Whether both axes are logarithmic.
+    pub log: bool,
     /// Where a vertical line divides every map.
     pub parted_at: Option<f64>,
     /// How values become colours, in all maps.
@@ -90,8 +94,12 @@ impl MapGrid {
 
     fn size(&self) -> (u32, u32) {
         let columns = self.rows.iter().map(|row| row.maps.len()).max().unwrap_or(0) as i32;
-        let width = 2 * MARGIN_PX + Y_AXIS_PX as i32 + columns * (MAP_PX + GAP_PX) + BAR_PX;
+        let width = 2 * MARGIN_PX + Y_AXIS_PX as i32 + columns * (MAP_PX + GAP_PX) + self.bar_px();
         (width as u32, (self.row_top(self.rows.len()) + MARGIN_PX) as u32)
+    }
+
+    fn bar_px(&self) -> i32 {
+        if matches!(self.shade, Shade::Categories(_)) { LEGEND_PX } else { BAR_PX }
     }
 
     /// Top of row `r` with its titles, px.
@@ -112,7 +120,7 @@ impl MapGrid {
         let (width, height) = (self.size().0 as i32, self.row_top(self.rows.len()));
         let top = self.row_top(0) + TITLE_AREA_PX;
         let bar = height - ROW_GAP_PX - X_AXIS_PX as i32 - top;
-        self.shade.draw_bar(root, (width - BAR_PX, top), bar)?;
+        self.shade.draw_bar(root, (width - self.bar_px(), top), bar)?;
         let turned = text(TEXT_PX).transform(FontTransform::Rotate90);
         let turned = turned.pos(Pos::new(HPos::Center, VPos::Center));
         let label = Text::new(self.value_label.clone(), (width - 2 * MARGIN_PX, top + bar / 2), turned);
@@ -133,11 +141,10 @@ impl MapGrid {
         let (width, height) = (MAP_PX as u32 + axis_px, MAP_PX as u32 + X_AXIS_PX);
         let corner = (left - axis_px as i32, top + TITLE_AREA_PX);
         let area = root.clone().shrink(corner, (width, height));
-        let scale = |range: &Range<f64>| Scale { low: range.start, high: range.end, log: false };
         let mut chart = ChartBuilder::on(&area)
             .x_label_area_size(X_AXIS_PX)
             .y_label_area_size(axis_px)
-            .build_cartesian_2d(scale(&self.x), scale(&self.y))
+            .build_cartesian_2d(self.scale(&self.x), self.scale(&self.y))
             .map_err(|e| e.to_string())?;
         chart.draw_series(self.runs(&map.values)).map_err(|e| e.to_string())?;
         let boundary = self.boundary(map).into_iter().map(|ends| PathElement::new(ends, INK.stroke_width(3)));
@@ -158,11 +165,15 @@ impl MapGrid {
             .map_err(|e| e.to_string())
     }
 
+    fn scale(&self, range: &Range<f64>) -> Scale {
+        Scale { low: range.start, high: range.end, log: self.log }
+    }
+
     /// The edges between values inside and outside of the region.
     fn boundary(&self, map: &Map) -> Vec<[(f64, f64); 2]> {
         let (width, height) = (map.values.width, map.values.height);
-        let x = |column: usize| self.x.start + (self.x.end - self.x.start) * column as f64 / width as f64;
-        let y = |row: usize| self.y.start + (self.y.end - self.y.start) * row as f64 / height as f64;
+        let x = |column: usize| self.scale(&self.x).value(column as f64 / width as f64);
+        let y = |row: usize| self.scale(&self.y).value(row as f64 / height as f64);
         let inside =
             |column: usize, row: usize| map.region.get(row * width + column).copied().unwrap_or(false);
         let mut edges = Vec::new();
@@ -181,9 +192,8 @@ impl MapGrid {
 
     /// Rectangles of one colour: neighbours in a row that share it are one, so that an SVG file stays small.
     fn runs(&self, image: &Image) -> Vec<Rectangle<(f64, f64)>> {
-        let at = |range: &Range<f64>, share: f64| range.start + share * (range.end - range.start);
-        let x = |column: usize| at(&self.x, column as f64 / image.width as f64);
-        let y = |row: usize| at(&self.y, row as f64 / image.height as f64);
+        let x = |column: usize| self.scale(&self.x).value(column as f64 / image.width as f64);
+        let y = |row: usize| self.scale(&self.y).value(row as f64 / image.height as f64);
         let mut runs = Vec::new();
         for row in 0..image.height {
             let colour = |column: usize| self.shade.colour(image.at(column, row).into());
@@ -212,6 +222,7 @@ mod tests {
             x_label: String::new(),
             x: -1.0..1.0,
             y: 0.0..3.0,
+            log: false,
             parted_at: None,
             shade: Shade::Bands { max: 10.0, decades: 3, per_decade: 4 },
             value_label: String::new(),

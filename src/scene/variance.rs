@@ -4,7 +4,8 @@
 //! `narrowbeam trace` writes them, were estimated from the samples that made the image, and are correlated with its noise: a pixel that
 //! is bright by chance also has a large estimated variance. Least squares would give dark pixels too much weight, and the
 //! estimate would be off by about sqrt(pixels / samples) times the skewness of a sample, in standard errors. So such an
-//! estimate is replaced by the mean over the pixel's neighbours, which is independent of the pixel's own noise.
+//! estimate is replaced by the mean over the pixel's neighbours, which is independent of the pixel's own noise. Where few
+//! samples met light, even that mean is too small by chance; no pixel is trusted with less than a share of the mean variance of the image.
 
 use super::images::{Frame, check_pixels};
 use crate::error::Result;
@@ -14,6 +15,11 @@ use std::path::Path;
 
 /// Largest variance that is accepted, the square of the largest radiance, and the inverse of the smallest.
 const LARGEST: f32 = 1e30;
+
+/// How far a pixel's neighbours reach.
+const AROUND: usize = 2;
+/// Share of the mean variance below which no pixel's is believed.
+const LEAST: f64 = 0.02;
 
 /// The variance of each pixel of the channels `names` of the observed image `observed`; 1 where the
 /// mask excludes it.
@@ -51,20 +57,25 @@ pub(super) fn read(
     Ok(variance)
 }
 
-/// Each pixel the mean of those of its eight neighbours that count, NaN if none does; 1 where it does not count itself.
+/// Each pixel the mean of those of its 24 neighbours that count, at least [`LEAST`] of the mean of all, NaN if none does; 1 where it does
+/// not count itself.
 fn of_neighbours(image: &Image, counts: impl Fn(usize) -> bool) -> Image {
     let (width, height) = (image.width, image.height);
+    let counted = || image.data.iter().enumerate().filter(|(i, _)| counts(*i)).map(|(_, v)| f64::from(*v));
+    let least = LEAST * counted().sum::<f64>() / counted().count() as f64;
     Image::from_fn(width, height, |x, y| {
         if !counts(y * width + x) {
             return 1.0;
         }
-        let rows = y.saturating_sub(1)..(y + 2).min(height);
-        let around = rows.flat_map(|v| (x.saturating_sub(1)..(x + 2).min(width)).map(move |u| (u, v)));
+        let rows = y.saturating_sub(AROUND)..(y + AROUND + 1).min(height);
+        let around =
+            rows.flat_map(|v| (x.saturating_sub(AROUND)..(x + AROUND + 1).min(width)).map(move |u| (u, v)));
         let known: Vec<f64> = around
             .filter(|&(u, v)| (u, v) != (x, y) && counts(v * width + u))
             .map(|(u, v)| f64::from(image.at(u, v)))
             .collect();
-        (known.iter().sum::<f64>() / known.len() as f64) as f32
+        let mean = known.iter().sum::<f64>() / known.len() as f64;
+        if mean < least { least as f32 } else { mean as f32 }
     })
 }
 
@@ -77,8 +88,10 @@ mod tests {
         let image = Image::from_fn(3, 3, |x, y| (3 * y + x) as f32);
         let mean = of_neighbours(&image, |i| i != 8);
         assert_eq!(mean.at(1, 1), (1 + 2 + 3 + 5 + 6 + 7) as f32 / 7.0);
-        assert_eq!(mean.at(0, 0), (1 + 3 + 4) as f32 / 3.0);
+        assert_eq!(mean.at(0, 0), (1 + 2 + 3 + 4 + 5 + 6 + 7) as f32 / 7.0);
         assert_eq!(mean.at(2, 2), 1.0);
         assert!(of_neighbours(&image, |i| i == 4).at(1, 1).is_nan());
+        let dark = Image::from_fn(9, 9, |x, y| if (x, y) == (8, 8) { 81.0 } else { 0.0 });
+        assert_eq!(of_neighbours(&dark, |_| true).at(1, 1), LEAST as f32);
     }
 }

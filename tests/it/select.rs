@@ -78,6 +78,8 @@ impl Regime {
             geometry,
             depth_error: 0.0,
             border: Border::Zero,
+            sampling: Sampling::Pixel,
+            sampling_is_known: true,
             view: View::whole(SIDE, SIDE),
             medium: vec![PartialMedium::default()],
             fit: vec![self.options()],

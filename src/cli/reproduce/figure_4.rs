@@ -29,6 +29,7 @@ pub(super) fn write(dir: &Path, rings: &[Rings]) -> Result<String> {
         x_label: "r (mean free paths)".into(),
         x: -FARTHEST..FARTHEST,
         y: 0.0..DEEPEST,
+        log: false,
         parted_at: Some(0.0),
         shade: Shade::Bands { max: brightest(rings), decades: DECADES, per_decade: PER_DECADE },
         value_label: "2πrΨ (share of all light per mean free path)".into(),

@@ -19,6 +19,16 @@ pub(super) const FILES: [&str; 6] = [
     "stability_sweeps.svg",
 ];
 
+/// The kinds of outcomes in their order, in colours that all can tell apart (Okabe and Ito 2008).
+const VERDICTS: [(&str, [u8; 3]); 6] = [
+    (OutcomeKind::Right.name(), [0, 158, 115]),
+    (OutcomeKind::FalseAlarm.name(), [86, 180, 233]),
+    (OutcomeKind::Undetermined.name(), [240, 228, 66]),
+    (OutcomeKind::Warned.name(), [230, 159, 0]),
+    (OutcomeKind::Refused.name(), [190, 190, 190]),
+    (OutcomeKind::Silent.name(), [213, 94, 0]),
+];
+
 /// Maps in a row.
 const COLUMNS: usize = 5;
 
@@ -34,8 +44,8 @@ pub(super) fn write(dir: &Path, trials: &[Trial], extent: &Extent) -> Result<()>
     errors.write_svg(&dir.join(FILES[1]))?;
     let kinds = Shown {
         title: "What the program reports of its own fits to traced images; outlined: within the stated errors, no warning",
-        shade: Shade::Sequential { max: OutcomeKind::Silent as u8 as f64 },
-        label: "0 right  1 right but warned  2 undetermined  3 warned  4 refused  5 silent failure",
+        shade: Shade::Categories(&VERDICTS),
+        label: "",
         value: |t| f64::from(t.outcome.kind() as u8),
     };
     let kinds = kinds.maps(trials, extent);
@@ -70,15 +80,16 @@ impl Shown {
         };
         let names: Vec<(usize, String)> = METHODS.iter().map(|m| m.name()).enumerate().collect();
         let row = |names: &[(usize, String)]| MapRow {
-            label: "log10 of the spread angle (degrees)".into(),
+            label: "spread angle (degrees)".into(),
             maps: names.iter().cloned().map(map).collect(),
         };
         MapGrid {
             title: self.title.into(),
             rows: names.chunks(COLUMNS).map(row).collect(),
-            x_label: "log10 of tau".into(),
+            x_label: "tau".into(),
             x: cells(&extent.tau),
             y: cells(&extent.spread_angle_deg),
+            log: true,
             parted_at: None,
             shade: self.shade,
             value_label: self.label.into(),
@@ -86,15 +97,15 @@ impl Shown {
     }
 }
 
-/// The range of logarithms whose cells have `values`, evenly spaced in them, at their centres.
+/// The range whose cells have `values`, evenly spaced in their logarithms, at their centres.
 fn cells(values: &[f64]) -> std::ops::Range<f64> {
-    let (first, last) = (values[0].log10(), values[values.len() - 1].log10());
-    let half = 0.5 * (last - first) / (values.len() - 1) as f64;
-    first - half..last + half
+    let (first, last) = (values[0], values[values.len() - 1]);
+    let half = (last / first).powf(0.5 / (values.len() - 1) as f64);
+    first / half..last * half
 }
 
 /// The sweeps along a number, and the meaning of that number.
-const CURVES: [Curve; 7] = [
+const CURVES: [Curve; 18] = [
     Curve { sweep: "noise", label: "noise over mean radiance", log: false },
     Curve { sweep: "kernel width", label: "kernel width z sqrt(B) (px)", log: true },
     Curve { sweep: "depth error", label: "error of the depth, stated", log: false },
@@ -102,6 +113,17 @@ const CURVES: [Curve; 7] = [
     Curve { sweep: "Henyey-Greenstein g", label: "g of the true medium, Henyey-Greenstein", log: false },
     Curve { sweep: "varying sigma_s", label: "relative change of sigma_s, centre to side", log: true },
     Curve { sweep: "saturated share", label: "share of saturated pixels", log: true },
+    Curve { sweep: "fitted g", label: "g of the true medium, fitted as such", log: false },
+    Curve { sweep: "shift (px)", label: "shift of the observation (px)", log: true },
+    Curve { sweep: "rotation (degrees)", label: "rotation of the observation (degrees)", log: true },
+    Curve { sweep: "scale", label: "relative scale of the observation", log: true },
+    Curve { sweep: "blur (px)", label: "blur of the observation alone (px)", log: true },
+    Curve { sweep: "veil gradient", label: "veil at the corner over mean radiance", log: true },
+    Curve { sweep: "vignetting", label: "light lost at the corner", log: true },
+    Curve { sweep: "gamma", label: "exponent of the response", log: false },
+    Curve { sweep: "object beyond the frame (px)", label: "object beyond the clear image (px)", log: false },
+    Curve { sweep: "noise of the clear image", label: "noise of the clear image over its mean", log: true },
+    Curve { sweep: "noise filtered by (px)", label: "filter of the noise (px)", log: false },
 ];
 
 struct Curve {

@@ -17,6 +17,8 @@ pub(crate) struct Displacement<'x, 'a> {
     pub parameters: &'x Parameters,
     pub covariance: &'x Covariance,
     pub exposures: Vec<Exposure>,
+    /// Each scene's share of hidden light.
+    pub hidden_shares: &'x [Option<Image>],
     pub engine: Engine<'a>,
     pub progress: &'x dyn Fn(),
 }

@@ -37,6 +37,10 @@ const SHAPE_ERROR: f64 = 0.01;
 /// Step of that difference.
 const SHAPE_STEP: f64 = 0.25;
 
+/// Error of the composite filter over the hidden share of a pixel: 0.9 on the near side of an edge, and up to 3 with the radiance of what is
+/// hidden, which is not known (docs/composite.md).
+const HIDDEN_ERROR: f32 = 3.0;
+
 /// A part of a model's error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
@@ -49,6 +53,8 @@ pub enum ErrorSource {
     Table,
     /// What lies between the pixels of the clear image, where that is not known.
     Sampling,
+    /// What the filter errs beside edges, and what it does not know behind them.
+    Composite,
     /// The noise of traced paths.
     Paths,
     /// What faults that the residual shows have added.
@@ -62,8 +68,18 @@ impl ErrorSource {
             Self::Model => "model",
             Self::Table => "table",
             Self::Sampling => "sampling",
+            Self::Composite => "composite",
             Self::Paths => "paths",
             Self::Residual => "residual",
+        }
+    }
+
+    /// How it adds to an interval.
+    pub(in crate::fit) fn kind(self) -> ErrorKind {
+        match self {
+            Self::Model | Self::Residual => ErrorKind::Bias,
+            Self::Table | Self::Sampling | Self::Composite => ErrorKind::Bound,
+            Self::Paths => ErrorKind::Chance,
         }
     }
 
@@ -74,6 +90,17 @@ impl ErrorSource {
             _ => 1.0,
         }
     }
+}
+
+/// How an error adds to an interval.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::fit) enum ErrorKind {
+    /// Its size and sign are known: in full.
+    Bias,
+    /// Its largest size is known: in squares.
+    Bound,
+    /// Its standard deviation is known: 1.96 times, in squares.
+    Chance,
 }
 
 /// By how much the object's light of each scene may be off, for each source.
@@ -90,6 +117,7 @@ impl ErrorImages {
     pub(super) fn all(fit: &Displacement) -> Result<Option<Vec<Self>>> {
         let light = fit.models.images(fit.parameters)?;
         let sampling = between_pixels(fit, &light)?;
+        let hidden = beside_edges(fit, &light);
         let mut all = Vec::new();
         for phase in phases(fit.parameters) {
             let reference = match reference(fit, phase) {
@@ -104,6 +132,7 @@ impl ErrorImages {
                 (ErrorSource::Table, each(&|r| apart(&r.whole, &r.direct, share))),
                 (ErrorSource::Table, each(&shape_error)),
             ];
+            sources.extend(hidden.iter().map(|images| (ErrorSource::Composite, images.clone())));
             sources.extend(sampling.clone().map(|images| (ErrorSource::Sampling, images)));
             all.push(Self(sources));
         }
@@ -137,6 +166,26 @@ fn shape_error(reference: &Parts) -> Image {
         (SHAPE_ERROR * (w - 2.0 * r + n) / (SHAPE_STEP * SHAPE_STEP)) as f32
     };
     Image { data: (0..reference.whole.data.len()).map(pixel).collect(), ..reference.whole }
+}
+
+/// Light that the filter may err by beside edges: [`HIDDEN_ERROR`] times what is hidden, the same everywhere, or with either sign
+/// across or down the view. None where nothing is hidden.
+fn beside_edges(fit: &Displacement, light: &[Image]) -> Vec<Vec<Image>> {
+    if fit.hidden_shares.iter().all(Option::is_none) {
+        return Vec::new();
+    }
+    let varied = |factor: fn([f32; 2]) -> f32| {
+        let image = |(light, share): (&Image, &Option<Image>)| {
+            let [width, height] = [light.width, light.height];
+            let place = |i: usize, n: usize| 2.0 * (i as f32 + 0.5) / n as f32 - 1.0;
+            Image::from_fn(width, height, |x, y| {
+                let hidden = share.as_ref().map_or(0.0, |share| share.at(x, y));
+                HIDDEN_ERROR * hidden * light.at(x, y) * factor([place(x, width), place(y, height)])
+            })
+        };
+        light.iter().zip(fit.hidden_shares).map(image).collect()
+    };
+    [varied(|_| 1.0), varied(|[x, _]| x), varied(|[_, y]| y)].into()
 }
 
 /// Half of what another sampling of the clear image would change, where it is not known; `None` if it is.

@@ -3,6 +3,7 @@
 use super::covariance::Covariance;
 use crate::fit::observation::{LinearTerm, Observed, VeilTerm};
 use crate::fit::optimise::{Eliminated, NormalEquations};
+use crate::image::Sampling;
 use nalgebra::DVector;
 
 /// Gain, veil, noise and misfit of one scene after a fit.
@@ -24,6 +25,10 @@ pub struct ExposureEstimate {
     pub pixels: usize,
     /// Pixels left out because of hidden light.
     pub hidden_pixels: usize,
+    /// What lies between the pixels of the clear image.
+    pub sampling: Sampling,
+    /// Whether that was stated or shows in the image.
+    pub sampling_is_known: bool,
     /// How a free gain hangs together with the parameters; `None` for a given gain, or where the data leave it open even if
     /// they are given.
     pub(crate) gain_response: Option<GainResponse>,
@@ -75,6 +80,8 @@ fn estimate(scene: &Eliminated, observed: &Observed, covariance: &Covariance) ->
         chi2: scene.chi2,
         pixels: observed.count(),
         hidden_pixels: observed.hidden,
+        sampling: observed.observation.target.sampling,
+        sampling_is_known: observed.observation.sampling_is_known,
         gain_response: response(),
     }
 }

@@ -24,6 +24,7 @@ pub use model_error::ModelError;
 
 pub(super) use covariance::Z95;
 pub(super) use displacement::Displacement;
+pub(super) use error_images::ErrorKind;
 pub(super) use lack_of_fit::LACKING;
 
 use super::observation::{Observation, Observed};
@@ -122,6 +123,7 @@ impl Errors {
         let gauss_newton_step = covariance.step(&equations.gradient);
         let mut at_optimum = Displacement {
             exposures: Displacement::exposures(equations),
+            hidden_shares: &optimum.hidden_shares,
             observed: &optimum.observed,
             models: &mut optimum.models,
             parameters,
@@ -132,9 +134,9 @@ impl Errors {
         let (of_model, images) = ModelError::new(&mut at_optimum)?.unzip();
         let of_inputs = InputError::new(&mut at_optimum)?;
         let diagnosis = Diagnosis::new(&at_optimum, images.as_ref())?;
-        let scenes = optimum.observed.iter().zip(&optimum.images).zip(&diagnosis.scenes);
+        let scenes = optimum.observed.iter().zip(&optimum.images).enumerate();
         let lacking =
-            scenes.map(|((o, image), scene)| lack_of_fit(o, image, |side| scene.block_inflation(side)));
+            scenes.map(|(i, (o, image))| lack_of_fit(o, image, |side| diagnosis.block_inflation(i, side)));
         let lack_of_fit = lacking.fold(0.0, f64::max);
         let misfit = size.reduced_chi2 / diagnosis.underestimated(&at_optimum);
         let wider = diagnosis.wider(&covariance, lack_of_fit > LACKING);
@@ -144,6 +146,15 @@ impl Errors {
         }
         let exposures = exposures(equations, &optimum.observed, &covariance);
         let findings = diagnosis.findings;
-        Ok(Self { covariance, gauss_newton_step, exposures, of_model, of_inputs, findings, lack_of_fit, misfit })
+        Ok(Self {
+            covariance,
+            gauss_newton_step,
+            exposures,
+            of_model,
+            of_inputs,
+            findings,
+            lack_of_fit,
+            misfit,
+        })
     }
 }

@@ -28,7 +28,8 @@ pub(crate) struct Task<'x, 'a> {
 impl<'x> Task<'x, '_> {
     /// Path lengths of all scenes.
     pub(crate) fn lengths(&self) -> PathLengths {
-        let scenes: Vec<_> = self.observations.iter().map(|o| (o.target.geometry, o.target.radiance)).collect();
+        let scenes: Vec<_> =
+            self.observations.iter().map(|o| (o.target.geometry, o.target.radiance)).collect();
         path_lengths(&scenes)
     }
 

@@ -1,7 +1,7 @@
 //! What the residual says of the scene, as users read it.
 
 use super::Severity;
-use super::text::significant;
+use super::number::significant;
 use crate::fit::inference::{Cause, ChannelFit, ErrorSource, Finding, Status};
 use crate::fit::parameters::Id;
 use indexmap::IndexMap;

@@ -1,6 +1,6 @@
 //! One parameter of one channel.
 
-use crate::fit::inference::{ChannelFit, Status, Z95};
+use crate::fit::inference::{ChannelFit, ErrorKind, Status, Z95};
 use crate::fit::parameters::{Id, Role};
 use indexmap::IndexMap;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -65,14 +65,22 @@ impl Estimate {
         let model_error = error.and(fit.model_error.as_ref()).map(|_| whole);
         let interval = |e: f64| {
             let [low, high] = parameter.bounds();
-            // What is noise adds in squares, what is an error in full.
-            let sampled = fit.model_error.as_ref().map_or(0.0, |m| m.variance_of(&along));
-            let noise = e.hypot(input_error.unwrap_or(0.0)).hypot(sampled.sqrt());
-            let half = Z95 * noise + (whole * whole - sampled).max(0.0).sqrt();
+            // Chance and bounds of unknown sign add in squares; what is known to be off adds in full.
+            let [mut square, mut known] =
+                [(Z95 * e).powi(2) + (Z95 * input_error.unwrap_or(0.0)).powi(2), 0.0];
+            for (source, error) in &model_errors {
+                match source.kind() {
+                    ErrorKind::Bias => known += error,
+                    ErrorKind::Bound => square += error * error,
+                    ErrorKind::Chance => square += (Z95 * error).powi(2),
+                }
+            }
+            let half = square.sqrt() + known;
             let u = parameter.coordinate();
             let [a, b] = [u - half, u + half].map(|u| parameter.value_at(u));
             [a.min(b).max(low).min(value), a.max(b).min(high).max(value)]
         };
+        let ci95 = error.map(interval);
         let there = |value: f64| (!parameter.is_absent()).then_some(value);
         Self {
             value: there(value),
@@ -84,7 +92,7 @@ impl Estimate {
                 .map(|(source, e)| (source.name().into(), e * slope))
                 .collect(),
             input_error: input_error.map(|e| e * slope),
-            ci95: error.map(interval),
+            ci95,
             status,
             start: there(fit.start[parameter.name()].value()),
             profile95: None,

@@ -26,6 +26,10 @@ pub struct ExposureReport {
     pub pixels: usize,
     /// Pixels left out because of hidden light.
     pub hidden_pixels: usize,
+    /// What lies between the pixels of the clear image: `pixel` or `bandlimited`.
+    pub sampling: String,
+    /// Whether that was stated or shows in the image; if not, half of what the other would change is part of the model's error.
+    pub sampling_is_known: bool,
     /// Where the observation lay, if it was registered by the fit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub registration: Option<RegistrationReport>,
@@ -88,6 +92,8 @@ impl ExposureReport {
             gain: Term { value: exposure.gain, std_error: exposure.gain_error },
             veil: Term { value: exposure.veil, std_error: exposure.veil_error },
             noise: exposure.noise,
+            sampling: exposure.sampling.name().into(),
+            sampling_is_known: exposure.sampling_is_known,
             chi2: exposure.chi2,
             pixels: exposure.pixels,
             hidden_pixels: exposure.hidden_pixels,

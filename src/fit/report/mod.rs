@@ -9,6 +9,7 @@ mod diagnosis;
 mod estimate;
 mod exposure;
 mod identified;
+mod number;
 mod regime;
 mod summary;
 mod text;

@@ -1,5 +1,6 @@
 //! A fit as text for people: a table, and remarks below it.
 
+use super::number::significant;
 use super::{AdviceReport, Derived, Determined, DiagnosisReport, Estimate, Fit};
 use crate::fit::inference::Status;
 use crate::phase::Family;
@@ -126,17 +127,4 @@ fn determined(Determined { combination, .. }: &Determined) -> String {
 
 fn number(value: Option<f64>) -> String {
     value.map_or_else(|| "-".to_string(), significant)
-}
-
-/// Five significant digits.
-pub(super) fn significant(v: f64) -> String {
-    if v == 0.0 {
-        return "0".into();
-    }
-    let magnitude = v.abs().log10().floor();
-    if (-4.0..6.0).contains(&magnitude) {
-        format!("{v:.*}", (4.0 - magnitude).max(0.0) as usize)
-    } else {
-        format!("{v:.4e}")
-    }
 }

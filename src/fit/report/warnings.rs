@@ -1,7 +1,7 @@
 //! What a fit warns its user of.
 
 use super::diagnosis::severity;
-use super::text::significant;
+use super::number::significant;
 use super::{Regime, Severity, Warning, WarningCode};
 use crate::filter::CUT;
 use crate::fit::channel::MISFIT;
@@ -108,8 +108,7 @@ fn misfit(&Case { suffix, fit, model }: &Case) -> Option<Warning> {
         )
     };
     let is_noise = fit.lack_of_fit <= LACKING;
-    let severity =
-        if fit.misfit > CONTRADICTED && !is_noise { Severity::Invalid } else { Severity::Caution };
+    let severity = if fit.misfit > CONTRADICTED && !is_noise { Severity::Invalid } else { Severity::Caution };
     (fit.misfit > MISFIT).then(|| Warning::new(WarningCode::Misfit, message()).of(severity))
 }
 

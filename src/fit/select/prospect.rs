@@ -97,6 +97,7 @@ impl Prospect {
             parameters: &parameters,
             covariance: &covariance,
             exposures: planned.exposures.iter().map(|e| e.exposure).collect(),
+            hidden_shares: planned.hidden_shares,
             engine,
             progress,
         })?

@@ -22,7 +22,9 @@ impl ExrFile {
     pub fn radiance(&self) -> Result<Vec<Channel>> {
         let plain = self.under("", &["Y"]).or_else(|| self.under("", &RGB));
         let layered = || self.in_layer(&RGB).or_else(|| self.in_layer(&["Y"]));
-        plain.or_else(layered).ok_or_else(|| self.missing("Y, nor R, G and B of one layer that is the only one, or the only main one"))
+        plain.or_else(layered).ok_or_else(|| {
+            self.missing("Y, nor R, G and B of one layer that is the only one, or the only main one")
+        })
     }
 
     /// Exactly the channels `names`, such as those of another image, bare or behind one layer prefix.
@@ -90,7 +92,8 @@ impl ExrFile {
             .collect();
         let mut main = layers.iter().filter(|layer| layer.rsplit('.').next() == Some(MAIN_LAYER));
         // Of several main layers none is meant more than the others.
-        let layer = if layers.len() == 1 { layers.first() } else { main.next().filter(|_| main.next().is_none()) };
+        let layer =
+            if layers.len() == 1 { layers.first() } else { main.next().filter(|_| main.next().is_none()) };
         layer.and_then(|layer| self.under(&format!("{layer}."), names))
     }
 
@@ -147,7 +150,8 @@ mod tests {
             rgb([5.0, 4.0, 3.0])
         });
         assert_eq!(radiance(&["a.B", "a.G", "a.R", "b.B", "b.G", "b.R"]), None);
-        let views = ["Clear.Combined", "Fog.Combined"].map(|view| ["B", "G", "R"].map(|c| format!("{view}.{c}")));
+        let views =
+            ["Clear.Combined", "Fog.Combined"].map(|view| ["B", "G", "R"].map(|c| format!("{view}.{c}")));
         let views: Vec<&str> = views.iter().flatten().map(String::as_str).collect();
         assert_eq!(radiance(&views), None);
     }
@@ -171,6 +175,9 @@ mod tests {
     #[test]
     fn a_missing_channel_is_reported_with_those_present() {
         let message = file(&["B", "G"]).radiance().unwrap_err().to_string();
-        assert_eq!(message, "a.exr: has no channel Y, nor R, G and B of one layer that is the only one, or the only main one; it holds B, G");
+        assert_eq!(
+            message,
+            "a.exr: has no channel Y, nor R, G and B of one layer that is the only one, or the only main one; it holds B, G"
+        );
     }
 }

@@ -7,7 +7,9 @@
 use super::setting::Setting;
 use crate::error::Result;
 use crate::filter::{Backend, Filter};
-use crate::fit::{Id, Method as Solver, Parameter, SceneFit, Settings, WarningCode, fit_scenes, select};
+use crate::fit::{
+    Id, Method as Solver, Parameter, SceneFit, Settings, Severity, WarningCode, fit_scenes, select,
+};
 use crate::forward::Quantity;
 use crate::scene::ObservedScene;
 use crate::spread::Model;
@@ -114,7 +116,7 @@ pub struct Outcome {
     pub found: Vec<Found>,
     /// Whether some parameter was reported as undetermined.
     pub undetermined: bool,
-    /// Codes of warnings, except `undetermined`.
+    /// Codes of warnings that are a caution or worse, except `undetermined`.
     pub warnings: Vec<WarningCode>,
     /// Why there is no fit.
     pub refused: Option<String>,
@@ -134,7 +136,8 @@ impl Outcome {
             let std_error = channel.covariance.std_error(id).filter(|_| compared.contains(&quantity))?;
             let (along, truth) = (channel.parameters.along(id), setting.truth(quantity));
             let input_error = channel.input_error.variance_of(&along).sqrt();
-            let model_error = channel.model_error.as_ref().map_or(0.0, |m| m.of(&along));
+            let parts = channel.model_errors(&along);
+            let model_error = parts.iter().map(|(_, error)| error * error).sum::<f64>().sqrt();
             // Of sigma_a the scale is 1 over the path length.
             let scale = parameter.scale();
             Some(Found {
@@ -147,7 +150,8 @@ impl Outcome {
                     .is_some_and(|[low, high]| low <= truth && truth <= high),
             })
         };
-        let codes = fit.report.warnings.iter().map(|w| w.code);
+        let serious = fit.report.warnings.iter().filter(|w| w.severity >= Severity::Caution);
+        let codes = serious.map(|w| w.code);
         Self {
             model: fit.report.model.clone(),
             found: channel.parameters.of_medium().filter_map(found).collect(),
@@ -223,7 +227,7 @@ pub enum OutcomeKind {
 
 impl OutcomeKind {
     /// Name in tables.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Self::Right => "right",
             Self::FalseAlarm => "right, but warned of",

@@ -1,5 +1,6 @@
 //! The sweeps of the stability study: images in which one property after another goes wrong.
 
+mod camera;
 mod wrong;
 
 use super::grid::{Extent, METHODS, Tick, Z, fits, plane};
@@ -25,7 +26,7 @@ const NOISE: f64 = 0.005;
 const CLEANER: u32 = 8;
 
 /// Number of traces that [`sweeps`] makes.
-pub const SWEEP_TRACES: u64 = 2 * (1 + 4 + 7 + 4);
+pub const SWEEP_TRACES: u64 = 2 * (1 + 4 + 7 + 6 + 3);
 
 /// Fits along all sweeps, around a medium of a narrow phase function and one of a wide one.
 ///
@@ -58,8 +59,10 @@ impl Sweeps<'_> {
         trials.extend(self.pitches()?);
         trials.extend(self.wrong_inputs(&clean)?);
         trials.extend(self.phase_functions()?);
+        trials.extend(self.fitted_phase_functions()?);
         trials.extend(self.heterogeneous()?);
         trials.extend(self.saturated(&clean)?);
+        trials.extend(self.camera(&clean)?);
         Ok(trials)
     }
 

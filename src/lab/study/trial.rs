@@ -35,8 +35,22 @@ pub struct Trial {
 }
 
 /// Sweeps along which the scene file is wrong about the scene: a warning is never needless there.
-const FAULTY: [&str; 5] =
-    ["depth error", "gain error", "Henyey-Greenstein g", "varying sigma_s", "saturated share"];
+const FAULTY: [&str; 14] = [
+    "depth error",
+    "gain error",
+    "Henyey-Greenstein g",
+    "varying sigma_s",
+    "saturated share",
+    "shift (px)",
+    "rotation (degrees)",
+    "scale",
+    "blur (px)",
+    "veil gradient",
+    "vignetting",
+    "gamma",
+    "object beyond the frame (px)",
+    "noise of the clear image",
+];
 
 impl Trial {
     /// Whether the scene file is right about the scene.

@@ -4,7 +4,7 @@ use super::SIGNIFICANT;
 use super::cause::Cause;
 use super::finding::Finding;
 use super::frame::Frame;
-use super::noise::Lag;
+use super::grid::{Lag, REACH};
 use super::projected::Projected;
 use crate::fit::observation::NoiseTerm;
 use nalgebra::DVector;
@@ -20,6 +20,8 @@ const CEILING: (usize, f64) = (8, 5e-4);
 /// Squares of residuals over their variance count as no more than this where their relation to brightness is sought, lest
 /// outliers decide.
 const MOST_SQUARE: f64 = 9.0;
+/// Correlation at the farthest lags above which a residual is no noise.
+const FAR_CORRELATION: f64 = 0.05;
 /// Change of the variance with the brightness, per standard deviation of the latter, that matters.
 const LEAST_TREND: f64 = 0.1;
 
@@ -77,7 +79,8 @@ impl Anomalies<'_> {
         let at_ceiling = pixels.iter().zip(whole).filter(|(p, _)| p.value >= highest);
         let square: f64 = at_ceiling.map(|(_, r)| r * r).sum();
         // Of a continuous distribution no two values are the same.
-        is_ceiling.then(|| self.found(Cause::Saturation, [n, n.sqrt(), square.max(n), SIGNIFICANT + n.sqrt()]))
+        is_ceiling
+            .then(|| self.found(Cause::Saturation, [n, n.sqrt(), square.max(n), SIGNIFICANT + n.sqrt()]))
     }
 
     /// A noise that is larger than was stated.
@@ -118,8 +121,13 @@ impl Anomalies<'_> {
         (trend.abs() > LEAST_TREND).then(|| self.found(Cause::NoiseModel, [trend, error, z * z, z]))
     }
 
-    /// Noise that neighbours share.
+    /// Noise that neighbours share. What reaches as far as is looked at is no noise, but what the fit leaves of the image.
     fn correlated(&self, correlation: &[Lag]) -> Option<Finding> {
+        let error = 1.0 / (self.residual.len() as f64).sqrt();
+        let far = correlation.iter().filter(|lag| lag.by.iter().any(|by| by.abs() == REACH));
+        if far.into_iter().any(|lag| lag.correlation.abs() > FAR_CORRELATION + SIGNIFICANT * error) {
+            return None;
+        }
         let square: f64 = correlation.iter().map(|lag| lag.pairs * lag.correlation.powi(2)).sum();
         let freedom = correlation.len() as f64;
         // A sum of squares of standard normal numbers, as a normal one (Wilson and Hilferty 1931).
@@ -127,7 +135,6 @@ impl Anomalies<'_> {
         let z = ((square / freedom).cbrt() - (1.0 - spread)) / spread.sqrt();
         let largest =
             correlation.iter().map(|lag| lag.correlation).max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
-        let error = 1.0 / (self.residual.len() as f64).sqrt();
         Some(self.found(Cause::CorrelatedNoise, [largest, error, square, z]))
     }
 }

@@ -9,7 +9,7 @@
 //! included, and of what the model is known to err. So a noise level that was estimated with the fault in it does not hide
 //! the fault.
 //!
-//! Causes are taken one after the other, the most significant first, and the others are looked at again with it taken out.
+//! Causes are taken one after the other, the largest drop of chi² first, and the others are looked at again with it taken out.
 //! Those that then have nothing left to explain are named beside it: the image cannot tell them apart.
 
 mod anomalies;
@@ -17,6 +17,7 @@ mod cause;
 mod columns;
 mod finding;
 mod frame;
+mod grid;
 mod noise;
 mod projected;
 mod sandwich;
@@ -57,7 +58,9 @@ impl Diagnosis {
         let count = fit.parameters.count();
         let none = || DMatrix::zeros(count, count);
         let mut this = Self { findings: Vec::new(), scenes: Vec::new(), gradients: [none(), none()] };
-        for scene in 0..fit.observed.len() {
+        // The noise of traced paths is in the residual and in the derivatives alike, and would be taken for a fault.
+        let scenes = if fit.models.batches().is_some() { 0 } else { fit.observed.len() };
+        for scene in 0..scenes {
             let errors = errors.map(|errors| errors.of_scene(scene)).unwrap_or_default();
             let columns = Columns::new(fit, scene, &errors)?;
             let frame = Frame::new(fit, scene, &columns)?;
@@ -73,6 +76,11 @@ impl Diagnosis {
         Ok(this)
     }
 
+    /// Variance of the mean of a block of `side`² pixels of scene number `scene` over that of white noise.
+    pub(super) fn block_inflation(&self, scene: usize, side: usize) -> f64 {
+        self.scenes.get(scene).map_or(1.0, |noise| noise.block_inflation(side))
+    }
+
     /// By how much the variance of the noise of `fit` was taken too small where it was estimated: by fine structure, of which
     /// noise that neighbours share has less.
     pub(super) fn underestimated(&self, fit: &Displacement) -> f64 {
@@ -82,7 +90,7 @@ impl Diagnosis {
             let is_estimated = observed.observation.noise.is_none() && !noise.is_white();
             (sum + n * if is_estimated { noise.variance.max(1.0) } else { 1.0 }, pixels + n)
         });
-        sum / pixels
+        if pixels > 0.0 { sum / pixels } else { 1.0 }
     }
 
     /// Covariances of the coordinates that allow for what was found: a noise that is not white, and a residual that is not
@@ -90,6 +98,7 @@ impl Diagnosis {
     pub(super) fn wider(&self, covariance: &Covariance, lacking: bool) -> Vec<DMatrix<f64>> {
         let [by_noise, by_blocks] = &self.gradients;
         let is_other = self.scenes.iter().any(|noise| !noise.findings().is_empty());
+        let lacking = lacking && !self.scenes.is_empty();
         let wanted = [is_other.then_some(by_noise), lacking.then_some(by_blocks)];
         let inverse = covariance.inverse();
         wanted.into_iter().flatten().map(|gradient| &inverse * gradient * &inverse).collect()

@@ -65,13 +65,15 @@ impl<'x> Scores<'x> {
         }
     }
 
-    /// The faults of scene number `scene`, the most significant first.
+    /// The faults of scene number `scene`, the largest drop of chi² first.
     pub(super) fn findings(mut self, scene: usize) -> Vec<Finding> {
         let mut findings = Vec::new();
         while findings.len() < MOST {
             let tests: Vec<Test> = (0..self.causes.len()).filter_map(|number| self.test(number)).collect();
-            let best = tests.iter().max_by(|a, b| a.significance.total_cmp(&b.significance));
-            let Some(best) = best.filter(|best| best.significance > SIGNIFICANT) else { break };
+            // Known errors make every large score the same number of standard deviations: the drop of chi² ranks them.
+            let significant = tests.iter().filter(|test| test.significance > SIGNIFICANT);
+            let best = significant.max_by(|a, b| a.delta_chi2.total_cmp(&b.delta_chi2));
+            let Some(best) = best else { break };
             let first = findings.first().map_or(0.0, |first: &Finding| first.delta_chi2);
             if best.delta_chi2 < SECOND_ORDER * first {
                 break;

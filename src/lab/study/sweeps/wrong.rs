@@ -50,6 +50,19 @@ impl Sweeps<'_> {
         Ok(trials)
     }
 
+    /// The same phase functions, fitted as what they are, up to lobes that are far narrower than a pixel.
+    pub(in crate::lab::study) fn fitted_phase_functions(&self) -> Result<Vec<Trial>> {
+        let mut trials = Vec::new();
+        for g in [0.8, 0.9, 0.95, 0.99, 0.998, 0.9999] {
+            let base = self.base.medium;
+            let medium = Medium::new(base.sigma_s(), base.sigma_a(), HenyeyGreenstein::new(g)?.into())?;
+            let setting = Setting { medium, ..self.base };
+            let scene = self.noisy(&setting, &self.trace(&setting)?)?;
+            trials.extend(fits(&Place::at("fitted g", g), &setting, &scene, &SWEPT, &Quantity::MEDIUM));
+        }
+        Ok(trials)
+    }
+
     /// sigma_s that grows linearly from left to right, its mean that of the base: each pixel sees its own medium.
     pub(super) fn heterogeneous(&self) -> Result<Vec<Trial>> {
         const SHARES: usize = 9;
