@@ -116,6 +116,7 @@ def read_scene(path):
         Section(document, path, name) for name in ("object", "camera", "observation")
     )
     objects.only("border", "zero")
+    objects.only("sampling", "pixel", "auto")  # a patch a pixel, of one radiance
     objects.only("depth_kind", "ray", "planar")  # one and the same for an orthographic camera
     observation.only("gain", 1.0, "free")
     observation.only("veil", 0.0, "free")

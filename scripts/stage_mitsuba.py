@@ -118,6 +118,7 @@ depth = "depth.exr"
 depth_kind = "planar"
 surface = {stage.surface}
 border = "zero"
+sampling = "pixel"
 {layer}
 [camera]
 {camera}

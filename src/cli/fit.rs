@@ -1,22 +1,23 @@
 //! `narrowbeam fit`: from observed scenes to a medium.
 
+mod files;
+
 use super::backend::Chosen;
 use super::errors::{Usage, answer};
 use super::names::WantedModel;
-use super::options::{RenderOptions, TracingOptions, positive, provenance};
+use super::options::{RenderOptions, TracingOptions, non_negative, positive, provenance};
 use super::progress::Progress;
 use super::{UNDETERMINED, aligned, say};
 use crate::fit::{
     ChannelFit, Draws, Method, SceneFit, Settings, Severity, Ways, add_advice, bootstrap, check_scenes,
-    fit_scenes, profile, select,
+    filter_is_weak, fit_scenes, leave_out_tracing, profile, select, trace_instead, tracing_seconds,
 };
-use crate::io::colour::{Tone, residual_scale};
-use crate::io::{atomic, exr, png};
-use crate::plots::{Figure, Panel, Shade};
+use crate::io::atomic;
 use crate::scene::ObservedScene;
 use crate::spread::Model;
 use anyhow::Result;
-use rayon::prelude::*;
+use files::{OUTPUTS, output, write};
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -32,6 +33,9 @@ pub(super) struct Arguments {
     /// Relative error of a parameter up to which --model auto accepts a cheaper model
     #[arg(long, default_value_t = 0.01, value_name = "X", value_parser = positive)]
     tolerance: f64,
+    /// Seconds that --model auto may spend on traced paths where the filter's error decides; 0: none
+    #[arg(long, default_value_t = 60.0, value_name = "SECONDS", value_parser = non_negative)]
+    traced_limit: f64,
     /// Optimiser
     #[arg(long, value_enum, value_name = "NAME", default_value = "levenberg-marquardt")]
     solver: Method,
@@ -118,8 +122,38 @@ fn estimate(arguments: &Arguments, scenes: &[ObservedScene], chosen: &Chosen) ->
     let (settings, filter) = (settings_of(arguments, chosen), arguments.rendering.filter);
     match arguments.rendering.model {
         WantedModel::This(_) => fit_scenes(scenes, &settings, filter, &tick),
-        WantedModel::Auto => select(scenes, &settings, filter, arguments.tolerance, &tick),
+        WantedModel::Auto => {
+            let fit = select(scenes, &settings, filter, arguments.tolerance, &tick)?;
+            drop(progress);
+            trace_if_weak(arguments, scenes, chosen, fit)
+        }
     }
+}
+
+/// The fit by `traced` where the filter is the weak link, if that takes no longer than is allowed.
+fn trace_if_weak(
+    arguments: &Arguments,
+    scenes: &[ObservedScene],
+    chosen: &Chosen,
+    mut fit: SceneFit,
+) -> crate::Result<SceneFit> {
+    if arguments.traced_limit == 0.0 || !filter_is_weak(&fit, scenes, arguments.tolerance) {
+        return Ok(fit);
+    }
+    let settings = settings_of(arguments, chosen);
+    let seconds = tracing_seconds(scenes, &settings, &fit)?;
+    if seconds > arguments.traced_limit {
+        leave_out_tracing(&mut fit, seconds);
+        return Ok(fit);
+    }
+    // A broken stderr changes nothing.
+    let _ = writeln!(
+        std::io::stderr(),
+        "the filter's error beside edges decides this fit: tracing paths instead, some {seconds:.0} s (--traced-limit)"
+    );
+    let progress = Progress::uncounted("tracing and fitting");
+    let tick = || progress.add(1);
+    trace_instead(scenes, &settings, arguments.rendering.filter, fit, &tick)
 }
 
 /// The intervals for `--profile` and `--bootstrap`.
@@ -206,69 +240,4 @@ fn how_it_went(arguments: &Arguments, fit: &SceneFit, chosen: &Chosen) -> String
         summary.seconds,
         arguments.out.display()
     )
-}
-
-/// Name and kind of what is written for each scene; `hidden_share` only if something is hidden.
-const OUTPUTS: [(&str, &str); 8] = [
-    ("render", "exr"),
-    ("residual", "exr"),
-    ("hidden_share", "exr"),
-    ("object", "png"),
-    ("observed", "png"),
-    ("render", "png"),
-    ("residual", "png"),
-    ("fit", "png"),
-];
-
-/// Path of such a file for scene `i` of `scenes`.
-fn output(arguments: &Arguments, scenes: usize, i: usize, name: &str, kind: &str) -> PathBuf {
-    let suffix = if scenes == 1 { String::new() } else { format!("-{}", i + 1) };
-    arguments.out.join(format!("{name}{suffix}.{kind}"))
-}
-
-/// The report, then `render`, `residual`, `hidden_share` and the pictures of each scene. An earlier fit's `hidden_share`
-/// is removed if nothing is hidden now.
-fn write(arguments: &Arguments, scenes: &[ObservedScene], fit: &SceneFit, chosen: &Chosen) -> Result<()> {
-    let json = serde_json::to_string_pretty(&fit.report)?;
-    atomic::write(&arguments.out.join("fit.json"), json.as_bytes())?;
-    for (i, ObservedScene { scene, observation }) in scenes.iter().enumerate() {
-        let file = |name: &str, kind: &str| output(arguments, scenes.len(), i, name, kind);
-        let (render, residual) = (fit.render(i), fit.residual(i, &observation.image));
-        let (clear, tone) = (Tone::of(&scene.object), Tone::of(&observation.image));
-        let scale = residual_scale(&residual);
-        let share = fit.hidden_share(i);
-        let panel = |title: &str, channels, shade| Panel { title: title.into(), channels, shade };
-        let mut panels = vec![
-            panel("object (clear)", scene.object.clone(), Shade::Radiance(clear)),
-            panel("observed", observation.image.clone(), Shade::Radiance(tone)),
-            panel("best fit", render.clone(), Shade::Radiance(tone)),
-            panel("observed - best fit", residual.clone(), Shade::Diverging { scale }),
-        ];
-        if let Some(share) = &share {
-            panels.push(panel("share of hidden light", share.clone(), Shade::from_zero(share)));
-        }
-        let figure = Figure {
-            title: format!("{}: {} fit", scene.path.display(), fit.report.model),
-            columns: if panels.len() > 4 { 3 } else { 4 },
-            panels,
-            table: fit.report.table("1/length"),
-            notes: fit.report.remarks().into_iter().chain([how_it_went(arguments, fit, chosen)]).collect(),
-        };
-        let share = || match &share {
-            Some(share) => exr::write(&file("hidden_share", "exr"), share, &provenance()),
-            None => atomic::remove(&file("hidden_share", "exr")),
-        };
-        let tasks: [&(dyn Fn() -> crate::Result<()> + Sync); 8] = [
-            &|| exr::write(&file("render", "exr"), &render, &provenance()),
-            &|| exr::write(&file("residual", "exr"), &residual, &provenance()),
-            &share,
-            &|| png::write_picture(&file("object", "png"), &scene.object, clear),
-            &|| png::write_picture(&file("observed", "png"), &observation.image, tone),
-            &|| png::write_picture(&file("render", "png"), &render, tone),
-            &|| png::write_residual(&file("residual", "png"), &residual, Some(scale)).map(|_| ()),
-            &|| figure.write_png(&file("fit", "png")),
-        ];
-        tasks.par_iter().try_for_each(|task| task())?;
-    }
-    Ok(())
 }

@@ -37,5 +37,5 @@ pub use report::{
     WarningCode, Ways,
 };
 pub use scenes::{SceneFit, check_scenes, fit_scenes};
-pub use select::{SEQUENCE, select};
+pub use select::{SEQUENCE, filter_is_weak, leave_out_tracing, select, trace_instead, tracing_seconds};
 pub use settings::{Method, Settings};

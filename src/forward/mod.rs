@@ -134,6 +134,9 @@ pub struct Radius {
     pub logarithmic: f64,
 }
 
+/// Paths that are traced to see how long all of them take.
+const SAMPLE_PATHS: u64 = 1 << 18;
+
 /// How much farther than the state's shift a prepared model may be shifted, px: a fit starts from a shift known to less.
 const SHIFT_MARGIN_PX: f64 = 2.0;
 
@@ -228,6 +231,24 @@ impl<'a> Engine<'a> {
         let model = Filtered::new(self.model, filter);
         let others = others.iter().map(|other| model.image(other)).collect::<Result<_>>()?;
         Ok(Parts { direct: model.direct(state)?, whole: model.image(state)?, others })
+    }
+
+    /// The model `traced` in place of this one.
+    pub(crate) fn traced(&self) -> Self {
+        Self { model: Model::Traced, ..*self }
+    }
+
+    /// Seconds that the paths of a fit of `target` by `traced` take on this machine, its depths being a map: a sample of
+    /// them is traced.
+    ///
+    /// # Errors
+    /// As [`ForwardModel::image`].
+    pub(crate) fn tracing_seconds(&self, target: Target<'a>, state: &State) -> Result<f64> {
+        let tracing = Tracing::new(Some(SAMPLE_PATHS), self.tracing.seed);
+        let clock = std::time::Instant::now();
+        Self { tracing, ..self.traced() }.image(target, state, 0, 1.0)?;
+        let all = replay::surface_paths(self.tracing) as f64;
+        Ok(clock.elapsed().as_secs_f64() * all / SAMPLE_PATHS as f64)
     }
 
     /// The model whose fit says where that of this one begins, if it needs one.

@@ -14,6 +14,7 @@
 //! [`EDGE_PITCHES`](crate::geometry::EDGE_PITCHES) pixel lengths, and by more than eight times the depth map's own
 //! noise (`map`).
 
+mod edges;
 mod front;
 mod map;
 mod occluders;
@@ -73,6 +74,11 @@ impl Relief {
     /// Whether every pixel's light spreads freely, as eq. 29 has it.
     pub fn is_flat(&self) -> bool {
         self.occluders.is_empty() && self.slopes.iter().all(Option::is_none)
+    }
+
+    /// Distance of every pixel of the object image of `geometry`, row-major, from the nearest edge of a near surface, px; infinite without one.
+    pub(crate) fn edge_distances_px(&self, geometry: &Geometry) -> Vec<f32> {
+        edges::distances(&self.occluders, geometry.width, geometry.height)
     }
 
     /// Whether some light may come from surfaces that no image shows.

@@ -1,8 +1,10 @@
 //! Faults of images and scenes: the residual names them, and no estimate that they have moved is given as good.
 
 use crate::common::bundled;
+use crate::common::planes::PLANE;
 use crate::common::report::{fit_scenes, select};
 use narrowbeam::filter::{Filter, moved};
+use narrowbeam::fit::noise::with_noise;
 use narrowbeam::fit::{Cause, DiagnosisReport, Fit, Settings, Severity, Status, WarningCode};
 use narrowbeam::image::Image;
 use narrowbeam::scene::{ObservedScene, Registration};
@@ -177,12 +179,11 @@ fn what_sends_no_light_sets_no_bound_and_no_slice() {
     assert_eq!(fit.fit.path, "sums");
 }
 
-/// The bundled scene, whose observation a fault has changed.
+/// A plane whose observation a fault has changed, its noise of a thousandth stated.
 fn with(fault: impl Fn(&Image) -> Image) -> ObservedScene {
-    let mut scene = ObservedScene::read(&file("traced-disks")).unwrap();
-    let image = &mut scene.observation.image[0].image;
-    *image = fault(image);
-    scene
+    let clean = PLANE.render(Model::WideAngle).unwrap();
+    let noise = 1e-3 * clean.mean();
+    PLANE.scene(with_noise(&fault(&clean), noise, 5), Some(noise)).unwrap()
 }
 
 #[test]

@@ -122,8 +122,13 @@ fn structure(&Case { suffix, fit, .. }: &Case) -> Option<Warning> {
     let message = || {
         format!(
             "the residual{suffix} is not noise: averaged over blocks of pixels it is {:.0} standard deviations above \
-             what noise leaves, and no cause that is known here explains it; the intervals are widened by what blocks of it show",
-            fit.lack_of_fit
+             what noise leaves, and no cause that is known here explains it; {}",
+            fit.lack_of_fit,
+            if fit.paths.is_some() {
+                "traced paths are not asked for causes, and the intervals do not hold them"
+            } else {
+                "the intervals are widened by what blocks of it show"
+            }
         )
     };
     (fit.lack_of_fit > LACKING && fit.findings.is_empty())

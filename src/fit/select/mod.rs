@@ -6,9 +6,11 @@
 //! next model does not mend is none of the model's.
 
 mod candidate;
+mod escalation;
 mod judgement;
 mod prospect;
 
+pub use escalation::{filter_is_weak, leave_out_tracing, trace_instead, tracing_seconds};
 pub(super) use prospect::{Planned, PlannedExposure, Prospect, seen};
 
 use super::Settings;

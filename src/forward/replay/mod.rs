@@ -66,6 +66,11 @@ struct Latest {
     halves: Rc<[Rendering; 2]>,
 }
 
+/// Paths that `tracing` traces for a depth map or a perspective view.
+pub(super) fn surface_paths(tracing: Tracing) -> u64 {
+    tracing.count(surface::SURFACE_PATHS)
+}
+
 /// A scene with its paths.
 pub(super) struct Replayed<'a> {
     paths: Box<dyn Paths + 'a>,

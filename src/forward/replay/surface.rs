@@ -8,7 +8,7 @@ use crate::trace::{BATCHES, Hits, ImageConfig, Likelihood};
 use std::ops::Range;
 
 /// Paths of all pixels of a scene together, 12 to 28 bytes for each that meets light: at 128² px as noisy as an observation of 1 %.
-const SURFACE_PATHS: u64 = 1 << 24;
+pub(super) const SURFACE_PATHS: u64 = 1 << 24;
 
 /// Traces the paths of all pixels of `target`'s view.
 pub(super) fn traced<P: Likelihood>(

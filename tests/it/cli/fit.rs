@@ -259,7 +259,9 @@ fn something_hidden_is_told_of_even_if_no_pixel_is_left_out() {
     let scene = striped(&shop, SIDE / 2).replace("[medium]", "hidden_share_max = 1.0\n[medium]");
     shop.observe(&scene);
     let run = shop.run("fit scene.toml --model small-angle --out result");
-    assert_eq!(run.code, 0, "{}", run.stderr);
+    // With such pixels counted, the filter's error beside edges leaves open what it may move by half.
+    assert_eq!(run.code, 3, "{}", run.stderr);
+    assert!(run.stderr.contains("do not determine"), "{}", run.stderr);
     assert!(run.stdout.contains("0 of 2304 pixels left out"), "{}", run.stdout);
     assert_eq!(report(&shop, "result")["fit"]["hidden_pixels"], 0);
     assert!(shop.file("result/hidden_share.exr").is_file());

@@ -7,12 +7,14 @@ use super::finding::Finding;
 use super::frame::Frame;
 use super::noise::Noise;
 use super::projected::{Projected, pseudo_inverse};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 /// Causes named one after the other, at most.
 const MOST: usize = 6;
 /// Share of the drop of chi² by the best cause with which another explains the same.
 const AS_WELL: f64 = 0.6;
+/// Standard deviations from which on a direction among the columns of a cause says something.
+const TELLS: f64 = 3.0;
 /// Share of the first cause's drop of chi² below which others may be what its own second order leaves.
 const SECOND_ORDER: f64 = 0.01;
 /// Share of the square of a column that must be left when what was fitted is taken out: renders are f32.
@@ -96,8 +98,11 @@ impl<'x> Scores<'x> {
         let (cause, numbers) = &self.causes[test.number];
         let amplitude = test.amplitudes.norm();
         let along = &test.amplitudes / amplitude.max(f64::MIN_POSITIVE);
-        let bias =
-            numbers.iter().zip(&test.amplitudes).map(|(&i, a)| self.projected.bias.column(i) * *a).sum();
+        let first = numbers.iter().zip(&test.amplitudes);
+        let mut bias: DVector<f64> = first.map(|(&i, a)| self.projected.bias.column(i) * *a).sum();
+        if *cause == Cause::Shift {
+            bias += self.blur_of(amplitude);
+        }
         Finding {
             cause: *cause,
             alternatives,
@@ -108,6 +113,14 @@ impl<'x> Scores<'x> {
             significance: test.significance,
             bias,
         }
+    }
+
+    /// What a shift by `px` adds to the coordinates in second order: to first order it is all but orthogonal to the medium, but half its
+    /// square is the variance of a blur.
+    fn blur_of(&self, px: f64) -> DVector<f64> {
+        let blur = self.causes.iter().find(|(cause, _)| *cause == Cause::Blur);
+        let column = |number: usize| self.projected.bias.column(number) * (0.5 * px * px);
+        blur.map_or_else(|| DVector::zeros(self.projected.bias.nrows()), |(_, numbers)| column(numbers[0]))
     }
 
     /// The test of cause number `number`; `None` if what was fitted leaves nothing of its columns.
@@ -124,11 +137,11 @@ impl<'x> Scores<'x> {
         let by_errors = self.products.select_rows(numbers).columns(0, self.errors).into_owned();
         let covariance = &information * self.variances[number] + &by_errors * by_errors.transpose();
         let statistic = score.dot(&(pseudo_inverse(covariance.clone()) * &score));
-        let inverse = pseudo_inverse(information);
-        let amplitudes = &inverse * &score;
+        let inverse = pseudo_inverse(information.clone());
+        let amplitudes = shown(&information, &score, self.variances[number]);
         Some(Test {
             number,
-            delta_chi2: score.dot(&amplitudes),
+            delta_chi2: score.dot(&(&inverse * &score)),
             covariance: &inverse * covariance * &inverse,
             amplitudes,
             significance: significance(statistic, numbers.len() as f64),
@@ -141,6 +154,22 @@ impl<'x> Scores<'x> {
         let inverse = pseudo_inverse(across.select_columns(numbers));
         self.products -= across.transpose() * inverse * &across;
     }
+}
+
+/// The amplitudes that a `score` shows, by its `information` and the variance of its noise. Directions in which it says nothing have none: they would
+/// only carry noise into what is said of the estimates.
+fn shown(information: &DMatrix<f64>, score: &DVector<f64>, variance: f64) -> DVector<f64> {
+    let scale = information.diagonal().map(|v| 1.0 / v.sqrt());
+    let scaled = DMatrix::from_diagonal(&scale) * information * DMatrix::from_diagonal(&scale);
+    let (eigen, score) = (SymmetricEigen::new(scaled), score.component_mul(&scale));
+    let mut amplitudes = DVector::zeros(score.len());
+    for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+        let along = vector.dot(&score);
+        if *value > LEFT && along.abs() > TELLS * (value * variance).sqrt() {
+            amplitudes += vector * (along / value);
+        }
+    }
+    amplitudes.component_mul(&scale)
 }
 
 /// A chi² with `freedom` degrees of freedom as a quantile of the normal distribution, by Chernoff's bound of its tail.
