@@ -118,6 +118,13 @@ impl ErrorImages {
         self.0.iter().map(|(_, images)| &images[scene]).collect()
     }
 
+    /// The second difference of the light of scene number `scene` in ln B or ln(1 - g).
+    pub(super) fn shape(&self, scene: usize) -> Option<Image> {
+        let mut tables = self.0.iter().filter(|(source, _)| *source == ErrorSource::Table);
+        let image = &tables.nth(1)?.1[scene];
+        Some(apart(image, &Image::filled(image.width, image.height, 0.0), 1.0 / SHAPE_ERROR as f32))
+    }
+
     /// Those of the model of `fit`, one set for each phase function that it may have; `None` where the reference has no kernels.
     pub(super) fn all(fit: &Displacement) -> Result<Option<Vec<Self>>> {
         let light = fit.models.images(fit.parameters)?;

@@ -2,6 +2,7 @@
 
 use super::SIGNIFICANT;
 use super::cause::Cause;
+use super::fields::Fields;
 use super::finding::Finding;
 use super::frame::Frame;
 use super::grid::{Lag, REACH};
@@ -29,7 +30,7 @@ const LEAST_TREND: f64 = 0.1;
 pub(super) struct Anomalies<'x> {
     pub frame: &'x Frame<'x>,
     pub projected: &'x Projected,
-    pub residual: &'x [f64],
+    pub fields: &'x Fields,
     pub variance: f64,
     pub scene: usize,
 }
@@ -53,16 +54,16 @@ impl Anomalies<'_> {
 
     /// Pixels farther off than noise is.
     fn outliers(&self) -> Option<Finding> {
-        let mut magnitudes: Vec<f64> = self.residual.iter().map(|r| r.abs()).collect();
+        let mut magnitudes: Vec<f64> = self.fields.pure.iter().map(|r| r.abs()).collect();
         let last = magnitudes.len().checked_sub(1)?;
         let middle = ((magnitudes.len() as f64 * ONE_SIGMA) as usize).min(last);
         let (_, sigma, _) = magnitudes.select_nth_unstable_by(middle, f64::total_cmp);
         let limit = FAR * *sigma;
         let far = |r: &f64| limit > 0.0 && r.abs() > limit;
-        let alone: Vec<f64> = self.residual.iter().map(|r| if far(r) { *r } else { 0.0 }).collect();
-        let count = self.residual.iter().filter(|r| far(r)).count() as f64;
-        let square: f64 = alone.iter().map(|r| r * r).sum();
-        let bias = self.projected.bias_by(self.frame, &alone);
+        let count = self.fields.pure.iter().filter(|r| far(r)).count() as f64;
+        let square: f64 = self.fields.pure.iter().filter(|r| far(r)).map(|r| r * r).sum();
+        let alone = |i: usize| if far(&self.fields.pure[i]) { self.fields.pure[i] } else { 0.0 };
+        let bias = self.projected.bias_by(self.frame, &self.fields.gradient(alone));
         let found = self.found(Cause::Outliers, [count, count.sqrt(), square, square.sqrt()]);
         (count > 0.0).then_some(Finding { bias, ..found })
     }
@@ -75,8 +76,7 @@ impl Anomalies<'_> {
         let (fewest, share) = CEILING;
         let is_ceiling = count >= fewest && count as f64 >= share * pixels.len() as f64 && highest > 0.0;
         let n = count as f64;
-        let whole = self.frame.combination(&self.projected.residual());
-        let at_ceiling = pixels.iter().zip(whole).filter(|(p, _)| p.value >= highest);
+        let at_ceiling = pixels.iter().zip(&self.fields.residual).filter(|(p, _)| p.value >= highest);
         let square: f64 = at_ceiling.map(|(_, r)| r * r).sum();
         // Of a continuous distribution no two values are the same.
         is_ceiling
@@ -86,7 +86,7 @@ impl Anomalies<'_> {
     /// A noise that is larger than was stated.
     fn level(&self) -> Option<Finding> {
         self.frame.observed().observation.noise?;
-        let n = self.residual.len() as f64;
+        let n = self.fields.pure.len() as f64;
         let (excess, error) = (self.variance - 1.0, (2.0 / n).sqrt());
         let ratio = self.variance.sqrt();
         let numbers = [ratio, 0.5 * error * ratio, excess * n, excess / error];
@@ -104,7 +104,7 @@ impl Anomalies<'_> {
         let light: Vec<f64> =
             pixels.iter().map(|p| f64::from(self.frame.light().data[p.index as usize])).collect();
         let square: Vec<f64> =
-            self.residual.iter().map(|r| (r * r / self.variance).min(MOST_SQUARE)).collect();
+            self.fields.pure.iter().map(|r| (r * r / self.variance).min(MOST_SQUARE)).collect();
         let mean = |values: &[f64]| values.iter().sum::<f64>() / n;
         let (mean_light, mean_square) = (mean(&light), mean(&square));
         let (mut both, mut lights, mut squares) = (0.0, 0.0, 0.0);
@@ -123,7 +123,7 @@ impl Anomalies<'_> {
 
     /// Noise that neighbours share. What reaches as far as is looked at is no noise, but what the fit leaves of the image.
     fn correlated(&self, correlation: &[Lag]) -> Option<Finding> {
-        let error = 1.0 / (self.residual.len() as f64).sqrt();
+        let error = 1.0 / (self.fields.pure.len() as f64).sqrt();
         let far = correlation.iter().filter(|lag| lag.by.iter().any(|by| by.abs() == REACH));
         if far.into_iter().any(|lag| lag.correlation.abs() > FAR_CORRELATION + SIGNIFICANT * error) {
             return None;

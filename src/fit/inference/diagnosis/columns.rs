@@ -2,19 +2,17 @@
 
 use super::cause::Cause;
 use crate::error::{Error, Result};
-use crate::filter::{Target, motion};
+use crate::filter::{Rendering, Target, motion};
 use crate::fit::inference::displacement::Displacement;
+use crate::fit::inference::error_images::ErrorImages;
 use crate::fit::observation::{Observation, VeilTerm};
 use crate::forward::{Quantity, State};
+use crate::geometry::{Field, path_lengths};
 use crate::image::{Border, Image};
+use crate::phase::PhaseFunction;
 use crate::scene::Registration;
 use std::f64::consts::PI;
 
-/// Step of the phase function's coordinate, ln B or ln(1 - g), for its second difference: kernels become 13 % wider, for
-/// which models are padded.
-const PHASE_STEP: f64 = 0.25;
-/// Relative change of depth for its derivative.
-const DEPTH_STEP: f64 = 0.02;
 /// Share of outside light below which there is none.
 const LEAST_OUTSIDE: f64 = 1e-4;
 
@@ -50,8 +48,13 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// Those of scene number `scene` of `fit`, whose model errs by the images `errors`.
-    pub(super) fn new(fit: &Displacement, scene: usize, errors: &[&Image]) -> Result<Self> {
+    /// Those of scene number `scene` of `fit`, which shows `rendering` and whose model errs by `errors`.
+    pub(super) fn new(
+        fit: &Displacement,
+        scene: usize,
+        rendering: &Rendering,
+        errors: Option<&ErrorImages>,
+    ) -> Result<Self> {
         let observation = fit.observed[scene].observation;
         let mut this = Self {
             images: Vec::new(),
@@ -60,16 +63,15 @@ impl Columns {
             errors: Vec::new(),
             causes: Vec::new(),
         };
-        for error in errors {
-            let column = this.add((*error).clone());
+        for error in errors.iter().flat_map(|errors| errors.of_scene(scene)) {
+            let column = this.add(error.clone());
             this.errors.push(column);
         }
-        let state = fit.parameters.state(scene)?;
-        let light = fit.models.get(scene).image(&state)?;
-        this.add_motion(&light, &observation)?;
-        this.add_levels(&light, &observation);
-        this.add_phase_function(fit, scene, &light)?;
-        this.add_depth(fit, scene, &state, &light)?;
+        let (state, light) = (fit.parameters.state(scene)?, &rendering.image);
+        this.add_motion(light, &observation)?;
+        this.add_levels(light, &observation);
+        this.add_phase_function(fit, scene, errors);
+        this.add_depth(rendering, &state);
         this.add_surroundings(fit, scene, &state)?;
         Ok(this)
     }
@@ -181,39 +183,25 @@ impl Columns {
         self.add_cause(Cause::Transfer, bent);
     }
 
-    /// The second difference of `light` in the width of the phase function: part of it is wider, part of it narrower.
-    fn add_phase_function(&mut self, fit: &Displacement, scene: usize, light: &Image) -> Result<()> {
-        let phase = fit.parameters.of(Quantity::Phase);
-        let model = fit.models.get(scene);
-        if phase.is_absent() || model.noise().is_some() {
-            return Ok(());
+    /// The second difference of the reference's light in the width of the phase function: part of it is wider, part of it narrower.
+    fn add_phase_function(&mut self, fit: &Displacement, scene: usize, errors: Option<&ErrorImages>) {
+        let shape = errors.and_then(|errors| errors.shape(scene));
+        if let Some(shape) = shape.filter(|_| !fit.parameters.of(Quantity::Phase).is_absent()) {
+            self.add_cause(Cause::PhaseTail, shape);
         }
-        let at = |step: f64| -> Result<Image> {
-            let value = phase.value_at(phase.coordinate() + step);
-            model.image(&fit.parameters.with_phase(value).state(scene)?)
-        };
-        let Some([wider, narrower]) = known([at(PHASE_STEP), at(-PHASE_STEP)])? else { return Ok(()) };
-        let bent = self.made(|i| {
-            let [wider, narrower, here] = [&wider, &narrower, light].map(|image| f64::from(image.data[i]));
-            (wider - 2.0 * here + narrower) / (PHASE_STEP * PHASE_STEP)
-        });
-        self.add_cause(Cause::PhaseTail, bent);
-        Ok(())
     }
 
-    /// How the light changes with the depth.
-    fn add_depth(&mut self, fit: &Displacement, scene: usize, state: &State, light: &Image) -> Result<()> {
-        if fit.models.get(scene).noise().is_some() {
-            return Ok(());
-        }
-        let target = fit.observed[scene].observation.target;
-        let geometry = target.geometry.deeper(DEPTH_STEP);
-        let target = Target { geometry: &geometry, ..target };
-        let Some([deeper]) = known([fit.engine.image(target, state, scene, 1.0)])? else { return Ok(()) };
-        let change = self.made(|i| f64::from(deeper.data[i] - light.data[i]) / DEPTH_STEP);
+    /// How the light changes with the depth: tau, sigma_a z and the width of the kernel change with it.
+    fn add_depth(&mut self, rendering: &Rendering, state: &State) {
+        let Some(gradient) = &rendering.gradient else { return };
+        let phase = state.medium.phase();
+        let widening = phase.planar_width() / phase.planar_width_derivative();
+        let per_depth = [state.medium.sigma_s(), state.medium.sigma_a(), widening];
+        let change = self.made(|i| {
+            gradient.iter().zip(per_depth).map(|(slope, change)| f64::from(slope.data[i]) * change).sum()
+        });
         let Column { image, .. } = self.add(change);
         self.causes.push((Cause::DepthGradient, GRADIENT.map(|factor| Column { image, factor }).to_vec()));
-        Ok(())
     }
 
     /// Light of the mean radiance from outside the clear image.
@@ -222,11 +210,24 @@ impl Columns {
         let level = target.radiance.mean() as f32;
         let even = Image { data: vec![level; target.radiance.data.len()], ..*target.radiance };
         let behind: Vec<Image> = target.behind.iter().map(|_| even.clone()).collect();
+        let engine = fit.engine.without_noise();
         let seen = |border: Border| {
             let target = Target { radiance: &even, behind: &behind, border, ..target };
-            fit.engine.without_noise().image(target, state, scene, 1.0)
+            engine.image(target, state, scene, 1.0)
         };
-        let Some([all, inside]) = known([seen(Border::Clamp), seen(Border::Zero)])? else { return Ok(()) };
+        let Some([inside]) = known([seen(Border::Zero)])? else { return Ok(()) };
+        let all = match target.geometry.depth {
+            // All light of a plane that goes on without end.
+            Field::Uniform(_) if target.relief.is_none() => {
+                let z = path_lengths(&[(target.geometry, target.radiance)]).median;
+                let total = engine.total(state, z)? * f64::from(level);
+                Image::filled(inside.width, inside.height, total as f32)
+            }
+            _ => match known([seen(Border::Clamp)])? {
+                Some([all]) => all,
+                None => return Ok(()),
+            },
+        };
         let outside = self.made(|i| f64::from(all.data[i] - inside.data[i]));
         if outside.data.iter().all(|&v| f64::from(v) <= LEAST_OUTSIDE * f64::from(level)) {
             return Ok(());

@@ -1,12 +1,12 @@
 //! All columns of one scene, pixel by pixel, in units of the noise.
 
 use super::columns::{Column, Columns};
-use crate::error::Result;
+use crate::filter::Rendering;
 use crate::fit::inference::displacement::Displacement;
 use crate::fit::observation::{LinearTerm, Observed};
 use crate::forward::{Exposure, Pixel, derivatives};
 use crate::image::Image;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -35,16 +35,20 @@ struct Derivative {
 
 impl<'x> Frame<'x> {
     /// That of scene number `scene` of `fit`.
-    pub(super) fn new(fit: &'x Displacement, scene: usize, columns: &'x Columns) -> Result<Self> {
+    pub(super) fn new(
+        fit: &'x Displacement,
+        scene: usize,
+        columns: &'x Columns,
+        rendering: Rendering,
+    ) -> Self {
         let observed = &fit.observed[scene];
-        let rendering = fit.models.get(scene).rendering(&fit.parameters.state(scene)?)?;
         let exposure = fit.exposures[scene];
         let chain = fit.parameters.chain();
         let derivative = |(quantity, image): (_, &Image)| {
             let row = fit.parameters.moving(quantity, scene)?.row();
             Some(Derivative { row, slope: chain[row] * exposure.gain, image: image.clone() })
         };
-        Ok(Self {
+        Self {
             observed,
             columns,
             exposure,
@@ -52,7 +56,7 @@ impl<'x> Frame<'x> {
             derivatives: derivatives(&rendering).into_iter().filter_map(derivative).collect(),
             extra: columns.all().collect(),
             light: rendering.image,
-        })
+        }
     }
 
     /// Numbers of the columns of linear terms, of derivatives, and of errors and causes; the residual comes last.
@@ -123,13 +127,21 @@ impl<'x> Frame<'x> {
         DMatrix::from_fn(size, size, |i, j| upper[(i.min(j), i.max(j))])
     }
 
-    /// A combination of the columns at each pixel that counts.
-    pub(super) fn combination(&self, parts: &DVector<f64>) -> Vec<f64> {
-        let value = |row: &mut Vec<f64>, pixel: &Pixel| {
-            self.fill(pixel, row);
-            row.iter().zip(parts).map(|(value, part)| value * part).sum::<f64>()
+    /// Combinations of the columns, each a column of `parts`, at each pixel that counts.
+    pub(super) fn combinations(&self, parts: &DMatrix<f64>) -> Vec<Vec<f64>> {
+        let count = parts.ncols();
+        let chunk = |pixels: &[Pixel]| {
+            let mut row = vec![0.0; self.size()];
+            let mut values = vec![Vec::with_capacity(pixels.len()); count];
+            for pixel in pixels {
+                self.fill(pixel, &mut row);
+                for (values, parts) in values.iter_mut().zip(parts.column_iter()) {
+                    values.push(row.iter().zip(parts.iter()).map(|(value, part)| value * part).sum());
+                }
+            }
+            values
         };
-        let pixels = self.observed.counted();
-        pixels.par_iter().map_init(|| vec![0.0; self.size()], value).collect()
+        let chunks: Vec<Vec<Vec<f64>>> = self.observed.counted().par_chunks(CHUNK).map(chunk).collect();
+        (0..count).map(|i| chunks.iter().flat_map(|chunk| &chunk[i]).copied().collect()).collect()
     }
 }

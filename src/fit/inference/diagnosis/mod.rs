@@ -15,6 +15,7 @@
 mod anomalies;
 mod cause;
 mod columns;
+mod fields;
 mod finding;
 mod frame;
 mod grid;
@@ -31,6 +32,7 @@ use super::displacement::Displacement;
 use super::error_images::ErrorImages;
 use crate::error::Result;
 use columns::Columns;
+use fields::Fields;
 use frame::Frame;
 use nalgebra::DMatrix;
 use noise::Noise;
@@ -61,14 +63,15 @@ impl Diagnosis {
         // The noise of traced paths is in the residual and in the derivatives alike, and would be taken for a fault.
         let scenes = if fit.models.batches().is_some() { 0 } else { fit.observed.len() };
         for scene in 0..scenes {
-            let errors = errors.map(|errors| errors.of_scene(scene)).unwrap_or_default();
-            let columns = Columns::new(fit, scene, &errors)?;
-            let frame = Frame::new(fit, scene, &columns)?;
+            let rendering = fit.models.get(scene).rendering(&fit.parameters.state(scene)?)?;
+            let columns = Columns::new(fit, scene, &rendering, errors)?;
+            let frame = Frame::new(fit, scene, &columns, rendering);
             let projected = Projected::new(fit, &frame);
-            let noise = Noise::new(&frame, &projected, scene);
+            let fields = Fields::new(&frame, &projected);
+            let noise = Noise::new(&frame, &projected, &fields, scene);
             this.findings.extend(Scores::new(&frame, &columns, &projected, &noise).findings(scene));
             this.findings.extend_from_slice(noise.findings());
-            let gradients = gradients(&frame, &projected, &noise, count);
+            let gradients = gradients(&frame, &fields, &noise, count);
             this.gradients.iter_mut().zip(gradients).for_each(|(sum, part)| *sum += part);
             this.scenes.push(noise);
         }

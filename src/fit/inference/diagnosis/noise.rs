@@ -2,6 +2,7 @@
 
 use super::anomalies::Anomalies;
 use super::cause::Cause;
+use super::fields::Fields;
 use super::finding::Finding;
 use super::frame::Frame;
 use super::grid::{Grid, Lag};
@@ -19,13 +20,13 @@ pub(in crate::fit::inference) struct Noise {
 
 impl Noise {
     /// That of the scene of `frame`, number `scene`.
-    pub(super) fn new(frame: &Frame, projected: &Projected, scene: usize) -> Self {
-        let residual = frame.combination(&projected.pure_residual());
+    pub(super) fn new(frame: &Frame, projected: &Projected, fields: &Fields, scene: usize) -> Self {
+        let residual = &fields.pure;
         let freedom = (residual.len() as f64 - frame.size() as f64).max(1.0);
         let variance = residual.iter().map(|r| r * r).sum::<f64>() / freedom;
         let variance = variance.max(frame.rounding());
-        let mut correlation = Grid::new(frame, &residual).correlation();
-        let anomalies = Anomalies { frame, projected, residual: &residual, variance, scene };
+        let mut correlation = Grid::new(frame, residual).correlation();
+        let anomalies = Anomalies { frame, projected, fields, variance, scene };
         let findings = anomalies.findings(&correlation);
         if !findings.iter().any(|finding| finding.cause == Cause::CorrelatedNoise) {
             correlation.clear();

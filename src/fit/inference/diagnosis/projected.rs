@@ -79,17 +79,15 @@ impl Projected {
         &self.parts * parts
     }
 
-    /// The derivatives without the linear terms, at each pixel that counts.
-    pub(super) fn slopes(&self, frame: &Frame) -> Vec<Vec<f64>> {
-        self.derivatives.column_iter().map(|parts| frame.combination(&parts.into_owned())).collect()
+    /// The derivatives without the linear terms, as combinations of the frame's columns.
+    pub(super) fn derivatives(&self) -> impl Iterator<Item = DVector<f64>> + '_ {
+        self.derivatives.column_iter().map(|parts| parts.into_owned())
     }
 
-    /// What residuals `values` of the pixels that count add to the coordinates.
-    pub(super) fn bias_by(&self, frame: &Frame, values: &[f64]) -> DVector<f64> {
+    /// What a gradient of the cost along each derivative adds to the coordinates.
+    pub(super) fn bias_by(&self, frame: &Frame, along: &[f64]) -> DVector<f64> {
         let mut gradient = DVector::zeros(self.inverse.nrows());
-        for (row, slope) in frame.rows().zip(self.slopes(frame)) {
-            gradient[row] += slope.iter().zip(values).map(|(s, v)| s * v).sum::<f64>();
-        }
+        frame.rows().zip(along).for_each(|(row, value)| gradient[row] += value);
         &self.inverse * gradient
     }
 

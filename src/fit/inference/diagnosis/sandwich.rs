@@ -1,26 +1,20 @@
 //! The covariance of the cost's gradient by what the residual shows, the filling of a sandwich (Huber 1967).
 
+use super::fields::Fields;
 use super::frame::Frame;
 use super::noise::Noise;
-use super::projected::Projected;
 use nalgebra::{DMatrix, DVector};
 
 /// Side of the blocks whose sums count as independent, px.
 const BLOCK_PX: usize = 16;
 
 /// By the `noise` that was found, and by blocks of residuals, of all `count` coordinates.
-pub(super) fn gradients(
-    frame: &Frame,
-    projected: &Projected,
-    noise: &Noise,
-    count: usize,
-) -> [DMatrix<f64>; 2] {
-    let slopes = projected.slopes(frame);
+pub(super) fn gradients(frame: &Frame, fields: &Fields, noise: &Noise, count: usize) -> [DMatrix<f64>; 2] {
+    let Fields { residual, slopes, .. } = fields;
     let n = slopes.len();
     let by_noise = DMatrix::from_fn(n, n, |i, j| noise.covariance(frame, &slopes[i], &slopes[j]));
-    let residual = frame.combination(&projected.residual());
     let mut by_blocks = DMatrix::zeros(n, n);
-    block_sums(frame, &slopes, &residual).iter().for_each(|sums| by_blocks += sums * sums.transpose());
+    block_sums(frame, slopes, residual).iter().for_each(|sums| by_blocks += sums * sums.transpose());
     let rows: Vec<usize> = frame.rows().collect();
     [by_noise, by_blocks].map(|values| {
         let mut all = DMatrix::zeros(count, count);
