@@ -166,7 +166,7 @@ impl<'a> Engine<'a> {
 pub struct Rendered {
     /// The object's light through the medium, over the view.
     pub image: Image,
-    /// Whether the kernels reach beyond the padding ([`Coverage::cut`]).
+    /// Whether the kernels reach beyond the padding ([`Coverage::cut`](crate::filter::Coverage)).
     pub cut: bool,
 }
 
