@@ -92,6 +92,12 @@ pub enum Error {
         "model traced does not register a shifted observation; use a model with kernels, such as wide-angle"
     )]
     NotShifted,
+    /// Paths that meet a depth map see constant pixels.
+    #[error(
+        "model traced knows band-limited images of planes seen by parallel rays alone; use a model with kernels, such as wide-angle, \
+         or read the object as constant pixels"
+    )]
+    NotBandlimited,
     /// A model that has no kernel was asked for one.
     #[error("model traced has no kernel: its paths are traced scene by scene")]
     NoKernel,

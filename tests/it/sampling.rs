@@ -121,6 +121,23 @@ fn traced_planes_know_both() {
     assert!(other < 3e-3 && same > 1e-2, "{other} {same}");
 }
 
+#[test]
+fn traced_depth_maps_refuse_what_they_do_not_know() {
+    let depth = Image::from_fn(SIZE[0], SIZE[1], |x, _| 1.0 + 0.02 * x as f32);
+    let flat = Geometry::planar(SIZE[0], SIZE[1], pitch(1.0), Z).unwrap();
+    let slope = Geometry { depth: Field::Map(depth), ..flat };
+    let object = wave(3, 2);
+    let render = |sampling| {
+        let tracing = Tracing::new(Some(1 << 14), 1);
+        let engine = Engine { model: Model::Traced, backend: narrowbeam::filter::Backend::Cpu, tracing };
+        let target = target(&object, &slope, Border::Mirror, sampling);
+        engine.image(target, &State::from(optics(Model::WideAngle).medium), 0, 1.0)
+    };
+    assert!(render(Sampling::Pixel).is_ok());
+    let error = render(Sampling::Bandlimited).unwrap_err();
+    assert!(error.is_usage() && error.to_string().contains("band-limited"), "{error}");
+}
+
 /// The fit of what `made` shows, read as `read`; `known` tells whether that was stated.
 fn refit(made: Sampling, read: Sampling, known: bool) -> Fit {
     let mut scene = PLANE.scene(Image::filled(PLANE.side, PLANE.side, 0.0), None).unwrap();

@@ -24,7 +24,7 @@ use super::quantity::{Quantity, State};
 use super::{ForwardModel, ModelNoise, Radius, Trust};
 use crate::error::{Error, Result};
 use crate::filter::{Coverage, Rendering, Target};
-use crate::image::Image;
+use crate::image::{Image, Sampling};
 use crate::medium::Medium;
 use crate::phase::{Phase, PhaseFunction};
 use crate::trace::{BATCHES, Likelihood};
@@ -208,6 +208,9 @@ fn trace_in<'a, P: Likelihood + 'static>(
     let seed = tracing.seed.wrapping_add(scene.wrapping_mul(0x9e37_79b9_7f4a_7c15));
     if let Some(plane) = Plane::of(target) {
         return Ok(Box::new(plane.traced(*medium, tracing.count(PLANE_PATHS), seed)?));
+    }
+    if target.sampling == Sampling::Bandlimited {
+        return Err(Error::NotBandlimited);
     }
     Ok(Box::new(surface::traced(target, medium, tracing, seed)?))
 }
