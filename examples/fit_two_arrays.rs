@@ -4,7 +4,7 @@
 use narrowbeam::filter::{Optics, Target, cpu::CpuFilter};
 use narrowbeam::fit::{Observation, Settings, fit_channel};
 use narrowbeam::geometry::Geometry;
-use narrowbeam::image::{Border, Image, Sampling, View};
+use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::scene::FitOptions;
 use narrowbeam::spread::Model;
@@ -14,15 +14,7 @@ fn main() -> narrowbeam::Result<()> {
     let clear = Image::from_fn(48, 48, |x, y| if (x / 5 + y / 7) % 2 == 0 { 0.9 } else { 0.2 });
     let geometry = Geometry::planar(48, 48, 0.05, 2.0)?;
     let (border, view) = (Border::Mirror, View::whole(48, 48));
-    let target = Target {
-        radiance: &clear,
-        behind: &[],
-        geometry: &geometry,
-        border,
-        sampling: Sampling::Pixel,
-        view,
-        relief: None,
-    };
+    let target = Target::plain(&clear, &geometry, border, view);
 
     let truth = Optics { model: Model::SmallAngle, medium: Medium::gaussian(0.9, 0.05, 0.004)? };
     let blurred = CpuFilter::new(target, &truth, 1.0)?.render(&truth)?;

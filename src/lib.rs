@@ -43,7 +43,7 @@
 //! use narrowbeam::filter::{Optics, Target, cpu::CpuFilter};
 //! use narrowbeam::fit::{Observation, Settings, fit_channel};
 //! use narrowbeam::geometry::Geometry;
-//! use narrowbeam::image::{Border, Image, Sampling, View};
+//! use narrowbeam::image::{Border, Image, View};
 //! use narrowbeam::medium::Medium;
 //! use narrowbeam::scene::FitOptions;
 //! use narrowbeam::spread::Model;
@@ -51,7 +51,7 @@
 //! let object = Image::from_fn(32, 32, |x, y| if (x / 5 + y / 7) % 2 == 0 { 0.9 } else { 0.2 });
 //! let geometry = Geometry::planar(32, 32, 0.05, 2.0)?;
 //! let view = View::whole(32, 32);
-//! let target = Target { radiance: &object, behind: &[], geometry: &geometry, border: Border::Mirror, sampling: Sampling::Pixel, view, relief: None };
+//! let target = Target::plain(&object, &geometry, Border::Mirror, view);
 //!
 //! // What the camera sees through a medium of sigma_s 0.9 and sigma_a 0.05 per metre, B 0.004 rad².
 //! let optics = Optics { model: Model::SmallAngle, medium: Medium::gaussian(0.9, 0.05, 0.004)? };

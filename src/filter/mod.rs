@@ -87,6 +87,13 @@ pub struct Target<'a> {
     pub relief: Option<&'a Relief>,
 }
 
+impl<'a> Target<'a> {
+    /// One surface of constant pixels, whose light spreads freely.
+    pub fn plain(radiance: &'a Image, geometry: &'a Geometry, border: Border, view: View) -> Self {
+        Self { radiance, behind: &[], geometry, border, sampling: Sampling::Pixel, view, relief: None }
+    }
+}
+
 /// A spread model with its medium: gives the kernel of any path length.
 #[derive(Clone, Copy)]
 pub struct Optics {

@@ -6,7 +6,7 @@
 
 use narrowbeam::filter::cpu::CpuFilter;
 use narrowbeam::filter::{Optics, Target};
-use narrowbeam::image::{Image, Sampling};
+use narrowbeam::image::Image;
 use narrowbeam::io::exr::ExrFile;
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::PhaseFunction;
@@ -68,15 +68,7 @@ impl Square {
     fn worst(&self, model: Model, truth: Medium) -> Error {
         let optics = Optics { model, medium: truth };
         let (geometry, radiance) = (&self.scene.geometry, &self.scene.object[0].image);
-        let target = Target {
-            radiance,
-            behind: &[],
-            geometry,
-            border: self.scene.border,
-            sampling: Sampling::Pixel,
-            view: self.scene.view,
-            relief: None,
-        };
+        let target = Target::plain(radiance, geometry, self.scene.border, self.scene.view);
         let render = CpuFilter::new(target, &optics, 1.0).unwrap().render(&optics).unwrap();
         let kernel = optics.kernel(geometry.path_length(0, 0).unwrap()).unwrap();
         let scattered = kernel.scattered() * radiance.data.iter().map(|&v| f64::from(v)).sum::<f64>();

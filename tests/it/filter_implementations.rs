@@ -4,7 +4,7 @@ use crate::common::{pixels, relative_l2, sloping, texture};
 use narrowbeam::filter::cpu::CpuFilter;
 use narrowbeam::filter::{Optics, Target, direct_sum, per_depth};
 use narrowbeam::geometry::{Camera, Field, Geometry};
-use narrowbeam::image::{Border, Image, Sampling, View};
+use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::Gaussian;
 use narrowbeam::spread::Model;
@@ -15,15 +15,7 @@ fn optics(model: Model, phase: &Gaussian) -> Optics {
 }
 
 fn target<'a>(radiance: &'a Image, geometry: &'a Geometry, border: Border) -> Target<'a> {
-    Target {
-        radiance,
-        behind: &[],
-        geometry,
-        border,
-        sampling: Sampling::Pixel,
-        view: View::whole(radiance.width, radiance.height),
-        relief: None,
-    }
+    Target::plain(radiance, geometry, border, View::whole(radiance.width, radiance.height))
 }
 
 fn fast(target: &Target, optics: &Optics) -> Vec<f64> {

@@ -7,7 +7,7 @@ use narrowbeam::filter::cpu::CpuFilter;
 use narrowbeam::filter::{Filter, Optics, Target};
 use narrowbeam::fit::{ChannelFit, NoiseTerm, Observation, Settings, VeilTerm, fit_channel};
 use narrowbeam::geometry::{Field, Geometry};
-use narrowbeam::image::{Border, Image, Sampling, View};
+use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::Gaussian;
 use narrowbeam::scene::{FitOptions, Gain};
@@ -42,15 +42,7 @@ fn the_images_of_the_basis_add_up_to_renders() {
     println!("L2 from renders over that of the image: image, and derivatives times sigma_s, sigma_a, B");
     let compare = |border: Border, model: Model, width_px: f64, tau: f64| -> [f64; 4] {
         let geometry = Geometry::planar(72, 60, z * b.sqrt() / width_px, z).unwrap();
-        let target = Target {
-            radiance: &object,
-            behind: &[],
-            geometry: &geometry,
-            border,
-            sampling: Sampling::Pixel,
-            view,
-            relief: None,
-        };
+        let target = Target::plain(&object, &geometry, border, view);
         let basis = Basis::new(target).unwrap();
         let optics = Optics { model, medium: Medium::new(tau / z, 0.1, phase.into()).unwrap() };
         let filter = CpuFilter::new(target, &optics, 1.0).unwrap();
@@ -119,15 +111,7 @@ impl Made {
 
     fn target(&self) -> Target<'_> {
         let Self { object, geometry, border, view, .. } = self;
-        Target {
-            radiance: object,
-            behind: &[],
-            geometry,
-            border: *border,
-            sampling: Sampling::Pixel,
-            view: *view,
-            relief: None,
-        }
+        Target::plain(object, geometry, *border, *view)
     }
 
     fn observation(&self) -> Observation<'_> {

@@ -9,7 +9,7 @@ use narrowbeam::fit::noise::with_noise;
 use narrowbeam::fit::{SceneFit, Settings, WarningCode, Ways, profile};
 use narrowbeam::forward::Quantity;
 use narrowbeam::geometry::Geometry;
-use narrowbeam::image::{Border, Image, Sampling, View};
+use narrowbeam::image::{Border, Image, View};
 use narrowbeam::lab::study::{Setting, Texture};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{Family, PhaseFunction};
@@ -29,15 +29,7 @@ fn plane(tau: f64, absorbed: f64, g: f64, width_px: f64) -> Setting {
 fn defined(setting: &Setting) -> Image {
     let (side, object) = (setting.side, setting.texture.image(setting.side));
     let geometry = Geometry::planar(side, side, setting.pixel_pitch, setting.z).unwrap();
-    let target = Target {
-        radiance: &object,
-        behind: &[],
-        geometry: &geometry,
-        border: Border::Zero,
-        sampling: Sampling::Pixel,
-        view: View::whole(side, side),
-        relief: None,
-    };
+    let target = Target::plain(&object, &geometry, Border::Zero, View::whole(side, side));
     let optics = Optics { model: Model::SmallAngle, medium: setting.medium };
     let data = direct_sum::render(&target, &optics).unwrap();
     Image { width: side, height: side, data: data.into_iter().map(|v| v as f32).collect() }
@@ -59,15 +51,7 @@ fn the_fast_filter_is_the_definition_but_for_what_comes_back_from_beyond_the_pad
     for width_px in [0.4, 1.0, 3.0, 12.0] {
         let z = 1.5;
         let geometry = Geometry::planar(24, 20, z * phase.planar_width() / width_px, z).unwrap();
-        let target = Target {
-            radiance: &radiance,
-            behind: &[],
-            geometry: &geometry,
-            border: Border::Zero,
-            sampling: Sampling::Pixel,
-            view: View::whole(24, 20),
-            relief: None,
-        };
+        let target = Target::plain(&radiance, &geometry, Border::Zero, View::whole(24, 20));
         let medium = Medium::new(0.9, 0.1, phase).unwrap();
         let optics = Optics { model: Model::SmallAngle, medium };
         let definition = direct_sum::render(&target, &optics).unwrap();

@@ -6,7 +6,7 @@ use narrowbeam::filter::{Optics, Target, per_depth};
 use narrowbeam::fit::{ChannelFit, Method, NoiseTerm, Observation, Settings, Status, VeilTerm, fit_channel};
 use narrowbeam::forward::Quantity;
 use narrowbeam::geometry::Geometry;
-use narrowbeam::image::{Border, Image, Sampling, View};
+use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::scene::{FitOptions, Gain, ParameterOptions};
 use narrowbeam::spread::Model;
@@ -23,15 +23,8 @@ struct Made {
 fn made(geometry: Geometry, model: Model, medium: Medium) -> Made {
     let object = texture(geometry.width, geometry.height);
     let optics = Optics { model, medium };
-    let target = Target {
-        radiance: &object,
-        behind: &[],
-        geometry: &geometry,
-        border: Border::Zero,
-        sampling: Sampling::Pixel,
-        view: View::whole(geometry.width, geometry.height),
-        relief: None,
-    };
+    let target =
+        Target::plain(&object, &geometry, Border::Zero, View::whole(geometry.width, geometry.height));
     let data = per_depth::render(&target, &optics).unwrap().into_iter().map(|v| v as f32).collect();
     let observed = Image { width: geometry.width, height: geometry.height, data };
     Made { object, geometry, observed }
@@ -39,15 +32,12 @@ fn made(geometry: Geometry, model: Model, medium: Medium) -> Made {
 
 impl Made {
     fn observation(&self) -> Observation<'_> {
-        let target = Target {
-            radiance: &self.object,
-            behind: &[],
-            geometry: &self.geometry,
-            border: Border::Zero,
-            sampling: Sampling::Pixel,
-            view: View::whole(self.object.width, self.object.height),
-            relief: None,
-        };
+        let target = Target::plain(
+            &self.object,
+            &self.geometry,
+            Border::Zero,
+            View::whole(self.object.width, self.object.height),
+        );
         Observation::plain(target, &self.observed)
     }
 }

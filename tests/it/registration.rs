@@ -4,7 +4,7 @@ use crate::common::{texture, with_noise};
 use narrowbeam::filter::cpu::CpuFilter;
 use narrowbeam::filter::{Optics, Target, coarse_shift};
 use narrowbeam::geometry::Geometry;
-use narrowbeam::image::{Border, Image, Sampling, View};
+use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::spread::Model;
 
@@ -43,15 +43,7 @@ fn guess(
     let geometry = Geometry::planar(width, height, Z * B.sqrt() / width_px, Z).unwrap();
     let view = View::centred((width, height), (128, 112));
     let border = Border::Mirror;
-    let target = Target {
-        radiance: object,
-        behind: &[],
-        geometry: &geometry,
-        border,
-        sampling: Sampling::Pixel,
-        view,
-        relief: None,
-    };
+    let target = Target::plain(object, &geometry, border, view);
     let medium = Medium::gaussian(tau / Z, 0.1, B).unwrap();
     let optics = Optics { model: Model::SmallAngle, medium };
     let filter = CpuFilter::new(target, &optics, 1.0).unwrap();

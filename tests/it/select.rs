@@ -59,15 +59,7 @@ impl Regime {
         let geometry = Geometry::planar(SIDE, SIDE, self.pixel_pitch, Z).unwrap();
         let optics = Optics { model: Model::WideAngle, medium: self.truth() };
         let object = texture(SIDE, SIDE);
-        let target = Target {
-            radiance: &object,
-            behind: &[],
-            geometry: &geometry,
-            border: Border::Zero,
-            sampling: Sampling::Pixel,
-            view: View::whole(SIDE, SIDE),
-            relief: None,
-        };
+        let target = Target::plain(&object, &geometry, Border::Zero, View::whole(SIDE, SIDE));
         let image = Backend::Cpu.prepare(target, &optics, 1.0).unwrap().render(&optics).unwrap();
         let image = with_noise(&image, self.noise, 7);
         let gray = |image: Image| vec![Channel { name: "Y".into(), image }];

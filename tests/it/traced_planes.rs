@@ -110,15 +110,7 @@ fn a_plane_is_blurred_by_the_kernel_of_its_paths() {
     let object = Image::from_fn(side, side, |x, _| 1.0 + (w * (x as f64 + 0.5)).cos() as f32);
     let geometry = Geometry::planar(side, side, pitch, 1.0).unwrap();
     let (border, view) = (Border::Mirror, View::whole(side, side));
-    let target = Target {
-        radiance: &object,
-        behind: &[],
-        geometry: &geometry,
-        border,
-        sampling: Sampling::Pixel,
-        view,
-        relief: None,
-    };
+    let target = Target::plain(&object, &geometry, border, view);
     let phase = Gaussian::new(b_of_spread_angle(25_f64.to_radians())).unwrap();
     let medium = Medium::new(5.0, 0.2, phase.into()).unwrap();
     let tracing = Tracing::new(Some(paths), 5);

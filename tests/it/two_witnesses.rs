@@ -4,7 +4,7 @@
 use crate::common::bundled::dataset;
 use narrowbeam::filter::cpu::CpuFilter;
 use narrowbeam::filter::{Optics, Target};
-use narrowbeam::image::{Image, Sampling};
+use narrowbeam::image::Image;
 use narrowbeam::io::exr::ExrFile;
 use narrowbeam::medium::Medium;
 use narrowbeam::scene::{Scene, read_truth};
@@ -59,15 +59,12 @@ impl Witness {
     fn against_small_angle(&self) -> f64 {
         let medium = self.truth;
         let optics = Optics { model: Model::SmallAngle, medium };
-        let target = Target {
-            radiance: &self.scene.object[0].image,
-            behind: &[],
-            geometry: &self.scene.geometry,
-            border: self.scene.border,
-            sampling: Sampling::Pixel,
-            view: self.scene.view,
-            relief: None,
-        };
+        let target = Target::plain(
+            &self.scene.object[0].image,
+            &self.scene.geometry,
+            self.scene.border,
+            self.scene.view,
+        );
         let render = CpuFilter::new(target, &optics, 1.0).unwrap().render(&optics).unwrap();
         reduced_chi2(&self.observed, &render, |i| f64::from(self.variance.data[i]))
     }

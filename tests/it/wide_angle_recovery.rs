@@ -8,7 +8,7 @@ use crate::common::texture;
 use narrowbeam::filter::Target;
 use narrowbeam::fit::{ChannelFit, Observation, Settings, fit_channel};
 use narrowbeam::geometry::Geometry;
-use narrowbeam::image::{Border, Image, Sampling, View};
+use narrowbeam::image::{Border, Image, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{PhaseFunction, b_of_spread_angle};
 use narrowbeam::scene::FitOptions;
@@ -110,15 +110,7 @@ impl Case {
 }
 
 fn fit(object: &Image, geometry: &Geometry, observed: &Image, model: Model) -> ChannelFit {
-    let target = Target {
-        radiance: object,
-        behind: &[],
-        geometry,
-        border: Border::Zero,
-        sampling: Sampling::Pixel,
-        view: View::whole(SIDE, SIDE),
-        relief: None,
-    };
+    let target = Target::plain(object, geometry, Border::Zero, View::whole(SIDE, SIDE));
     let settings = Settings { model, ..Settings::default() };
     fit_channel(&[Observation::plain(target, observed)], &FitOptions::default(), &settings, &|| ()).unwrap()
 }

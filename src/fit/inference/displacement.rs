@@ -56,13 +56,13 @@ impl<'a> Displacement<'_, 'a> {
         Ok(Moved { step: self.covariance.step(&equations.gradient), image })
     }
 
-    /// What happens if the object light of every scene is off by that of `differences`.
-    pub(crate) fn by(&mut self, differences: &[Image]) -> Result<Moved> {
-        let mut images = self.models.images(self.parameters)?;
-        for (image, difference) in images.iter_mut().zip(differences) {
-            image.data.iter_mut().zip(&difference.data).for_each(|(v, d)| *v += d);
-        }
-        self.towards(images)
+    /// What happens if the object light of every scene is off by that of `differences` from `light`.
+    pub(crate) fn by(&mut self, light: &[Image], differences: &[Image]) -> Result<Moved> {
+        let sum = |(light, difference): (&Image, &Image)| Image {
+            data: light.data.iter().zip(&difference.data).map(|(v, d)| v + d).collect(),
+            ..*light
+        };
+        self.towards(light.iter().zip(differences).map(sum).collect())
     }
 
     /// Where one batch of the paths of a traced model would lead the coordinates.

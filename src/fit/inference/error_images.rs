@@ -125,11 +125,11 @@ impl ErrorImages {
         Some(apart(image, &Image::filled(image.width, image.height, 0.0), 1.0 / SHAPE_ERROR as f32))
     }
 
-    /// Those of the model of `fit`, one set for each phase function that it may have; `None` where the reference has no kernels.
-    pub(super) fn all(fit: &Displacement) -> Result<Option<Vec<Self>>> {
-        let light = fit.models.images(fit.parameters)?;
-        let sampling = between_pixels(fit, &light)?;
-        let hidden = beside_edges(fit, &light)?;
+    /// Those of the model of `fit`, which renders `light`, one set for each phase function that it may have; `None` where the
+    /// reference has no kernels.
+    pub(super) fn all(fit: &Displacement, light: &[Image]) -> Result<Option<Vec<Self>>> {
+        let sampling = between_pixels(fit, light)?;
+        let hidden = beside_edges(fit, light)?;
         let mut all = Vec::new();
         for phase in phases(fit.parameters) {
             let reference = match reference(fit, phase) {
@@ -138,7 +138,7 @@ impl ErrorImages {
             };
             let share = reference_error(fit.parameters.family()) as f32;
             let each = |f: &dyn Fn(&Parts) -> Image| reference.iter().map(f).collect::<Vec<_>>();
-            let model = reference.iter().zip(&light).map(|(r, light)| apart(&r.whole, light, 1.0)).collect();
+            let model = reference.iter().zip(light).map(|(r, light)| apart(&r.whole, light, 1.0)).collect();
             let mut sources = vec![
                 (ErrorSource::Model, model),
                 (ErrorSource::Table, each(&|r| apart(&r.whole, &r.direct, share))),
@@ -155,11 +155,10 @@ impl ErrorImages {
 /// The light of all scenes by the reference, with this parameter of the phase function, and with a wider and a narrower one.
 fn reference(fit: &Displacement, phase: f64) -> Result<Vec<Parts>> {
     let engine = Engine { model: REFERENCE, ..fit.engine };
-    let phase_of = |parameters: &Parameters| parameters.of(Quantity::Phase).clone();
     let at = fit.parameters.with_phase(phase);
+    let parameter = at.of(Quantity::Phase);
     let [least, most] = REFERENCE.range(fit.parameters.family())?.phase;
     let stepped = |step: f64| {
-        let parameter = phase_of(&at);
         fit.parameters.with_phase(parameter.value_at(parameter.coordinate() + step).clamp(least, most))
     };
     let (wider, narrower) = (stepped(SHAPE_STEP), stepped(-SHAPE_STEP));

@@ -9,6 +9,7 @@ use super::displacement::{Displacement, Moved};
 use super::error_images::{ErrorImages, ErrorSource};
 use crate::error::Result;
 use crate::forward::Quantity;
+use crate::image::Image;
 use crate::phase::Family;
 use nalgebra::{DMatrix, DVector};
 
@@ -44,9 +45,10 @@ impl ModelError {
         if let Some(batches) = fit.models.batches() {
             return Ok(Some((Self::of_paths(fit, batches)?, ErrorImages(Vec::new()))));
         }
+        let light = fit.models.images(fit.parameters)?;
         let mut worst: Option<(Self, ErrorImages)> = None;
-        for images in ErrorImages::all(fit)?.into_iter().flatten() {
-            let error = Self::of_images(fit, &images)?;
+        for images in ErrorImages::all(fit, &light)?.into_iter().flatten() {
+            let error = Self::of_images(fit, &light, &images)?;
             if worst.as_ref().is_none_or(|(w, _)| error.bias().norm() > w.bias().norm()) {
                 worst = Some((error, images));
             }
@@ -54,10 +56,10 @@ impl ModelError {
         Ok(worst)
     }
 
-    fn of_images(fit: &mut Displacement, images: &ErrorImages) -> Result<Self> {
+    fn of_images(fit: &mut Displacement, light: &[Image], images: &ErrorImages) -> Result<Self> {
         let mut this = Self { steps: Vec::new(), noise: None, image: 0.0 };
         for (source, images) in &images.0 {
-            let Moved { step, image } = fit.by(images)?;
+            let Moved { step, image } = fit.by(light, images)?;
             if *source == ErrorSource::Model {
                 this.image = image;
             }

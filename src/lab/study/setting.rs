@@ -115,15 +115,7 @@ impl Setting {
     pub fn render(&self, model: Model) -> Result<Image> {
         let (object, geometry) = (self.texture.image(self.side), self.geometry()?);
         let optics = Optics { model, medium: self.medium };
-        let target = Target {
-            radiance: &object,
-            behind: &[],
-            geometry: &geometry,
-            border: Border::Zero,
-            sampling: Sampling::Pixel,
-            view: View::whole(self.side, self.side),
-            relief: None,
-        };
+        let target = Target::plain(&object, &geometry, Border::Zero, View::whole(self.side, self.side));
         Backend::Cpu.prepare(target, &optics, 1.0)?.render(&optics)
     }
 

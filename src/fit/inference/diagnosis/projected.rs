@@ -74,8 +74,13 @@ impl Projected {
         self.squares.len() - 1
     }
 
+    /// The projected column number `i` as a combination of the frame's columns.
+    pub(super) fn column(&self, i: usize) -> DVector<f64> {
+        self.parts.column(i).into_owned()
+    }
+
     /// The combination of the projected columns as one of the frame's.
-    pub(super) fn combination(&self, parts: &DVector<f64>) -> DVector<f64> {
+    fn combination(&self, parts: &DVector<f64>) -> DVector<f64> {
         &self.parts * parts
     }
 
@@ -93,7 +98,7 @@ impl Projected {
 
     /// The residual.
     pub(super) fn residual(&self) -> DVector<f64> {
-        self.combination(&DVector::from_fn(self.count() + 1, |i, _| f64::from(u8::from(i == self.count()))))
+        self.column(self.count())
     }
 
     /// The residual with all errors and causes taken out.

@@ -45,8 +45,7 @@ impl<'x> Scores<'x> {
         let causes = columns.causes();
         let variance = |(_, numbers): &(Cause, Vec<usize>)| {
             let inflation = |&number: &usize| {
-                let unit = DVector::from_fn(projected.count() + 1, |i, _| f64::from(u8::from(i == number)));
-                let parts = DMatrix::from_columns(&[projected.combination(&unit)]);
+                let parts = DMatrix::from_columns(&[projected.column(number)]);
                 let column = frame.combinations(&parts).remove(0);
                 let square: f64 = column.iter().map(|v| v * v).sum();
                 noise.covariance(frame, &column, &column) / square.max(f64::MIN_POSITIVE)
