@@ -22,8 +22,7 @@ fn fit(scene: ObservedScene) -> Fit {
 
 /// What the residual says of the image, noise aside, the largest drop of chi² first.
 fn of_the_image(fit: &Fit) -> Vec<&DiagnosisReport> {
-    let of_noise = [Cause::CorrelatedNoise, Cause::NoiseModel, Cause::Outliers];
-    fit.diagnosis.iter().filter(|found| !of_noise.contains(&found.cause)).collect()
+    fit.diagnosis.iter().filter(|found| !found.cause.is_of_noise()).collect()
 }
 
 fn worst(fit: &Fit) -> Option<Severity> {

@@ -131,8 +131,8 @@ fn structure(&Case { suffix, fit, .. }: &Case) -> Option<Warning> {
             }
         )
     };
-    (fit.lack_of_fit > LACKING && fit.findings.is_empty())
-        .then(|| Warning::new(WarningCode::Structure, message()))
+    let unexplained = fit.findings.iter().all(|finding| finding.cause.is_of_noise());
+    (fit.lack_of_fit > LACKING && unexplained).then(|| Warning::new(WarningCode::Structure, message()))
 }
 
 /// The causes that are at least so serious, in words; `None` if there are none.

@@ -69,6 +69,11 @@ impl Cause {
         }
     }
 
+    /// Whether it says how noisy pixels are, and not what is wrong with the image.
+    pub fn is_of_noise(self) -> bool {
+        matches!(self, Self::Outliers | Self::CorrelatedNoise | Self::NoiseModel)
+    }
+
     /// The unit of its amplitude.
     pub fn unit(self) -> &'static str {
         match self {
