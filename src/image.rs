@@ -118,9 +118,16 @@ pub enum Border {
     Clamp,
     /// The image is mirrored at its outer edge, again and again.
     Mirror,
+    /// It is not known. Renders take the mirrored image for it; fits leave out the pixels that see too much of it.
+    Unknown,
 }
 
 impl Border {
+    /// Whether renders take the mirrored image for what lies outside.
+    pub fn mirrors(self) -> bool {
+        matches!(self, Self::Mirror | Self::Unknown)
+    }
+
     /// Index of the pixel that represents position `i` (which may lie outside) in a row of `n`; `None` is black.
     pub fn index(self, i: i64, n: usize) -> Option<usize> {
         let size = n as i64;
@@ -128,7 +135,7 @@ impl Border {
             _ if (0..size).contains(&i) => Some(i as usize),
             Border::Zero => None,
             Border::Clamp => Some(i.clamp(0, size - 1) as usize),
-            Border::Mirror => {
+            Border::Mirror | Border::Unknown => {
                 let j = i.rem_euclid(2 * size);
                 Some(if j < size { j } else { 2 * size - 1 - j } as usize)
             }
@@ -141,8 +148,8 @@ impl Border {
         let inside = (0..n as i64).contains(&i);
         match self {
             _ if inside => 1.0,
-            Border::Mirror if i.div_euclid(n as i64) % 2 == 0 => 1.0,
-            Border::Mirror => -1.0,
+            Border::Mirror | Border::Unknown if i.div_euclid(n as i64) % 2 == 0 => 1.0,
+            Border::Mirror | Border::Unknown => -1.0,
             _ => 0.0,
         }
     }

@@ -75,6 +75,7 @@
 //! | --- | --- |
 //! | [`medium`], [`phase`] | coefficients; phase functions |
 //! | [`geometry`], [`image`](mod@image) | camera, distances, pixel pitch; linear images, views, borders |
+//! | [`imaging`] | what a camera does to the light that reaches it |
 //! | [`spread`] | the kernels: `beer-lambert` to `wide-angle` |
 //! | [`filter`] | from the clear object to the image through the medium, for any depth map |
 //! | [`illumination`], [`synthesis`] | light that falls into the medium and its veil; images with all their light |
@@ -112,6 +113,7 @@ pub mod geometry;
 pub mod gpu;
 pub mod illumination;
 pub mod image;
+pub mod imaging;
 pub mod io;
 #[cfg(feature = "lab")]
 pub mod lab;

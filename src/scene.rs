@@ -22,6 +22,7 @@ pub use medium::read_truth;
 use crate::geometry::Geometry;
 use crate::illumination::{Bottom, Shading, Sun};
 use crate::image::{Border, Channel, Image, Sampling, View};
+use crate::imaging::{Blur, Choice, GainField, Imaging, Registration, VeilField};
 use crate::phase::Family;
 use std::path::PathBuf;
 
@@ -130,8 +131,21 @@ pub struct Observation {
     /// Largest hidden share of a pixel that counts: the share of its light that may come from behind nearer surfaces,
     /// from where no layer shows anything. Above 0, at most 1.
     pub hidden_share_max: f64,
-    /// Whether the image is aligned with the object's, or has to be registered.
-    pub registration: Registration,
+    /// How the image is registered on the object's.
+    pub registration: Choice<Registration>,
+    /// Its blur beyond that of the object's image.
+    pub blur: Choice<Blur>,
+    /// How its gain varies over the view.
+    pub gain_field: Choice<GainField>,
+}
+
+impl Observation {
+    /// Whether a fit of it has parameters beside those of the medium and what enters linearly.
+    pub fn frees_camera(&self) -> bool {
+        let (registration, gain_field) = (self.registration.least(), self.gain_field.least());
+        registration != Registration::None
+            || Imaging::new(registration, self.blur.least(), gain_field).is_some()
+    }
 }
 
 /// The noise of an observation.
@@ -162,24 +176,15 @@ pub enum Veil {
     Fixed(f64),
     /// A known image, the same channels as the observation's.
     Image(Vec<Channel>),
-    /// One number per channel, fitted.
-    Free,
+    /// One field per channel, fitted.
+    Free(VeilField),
+    /// None, or a free one if the image asks for it.
+    Auto,
 }
 
 /// Default share of hidden light above which a pixel does not count: a smaller share is lost in the noise of ordinary
 /// images.
 pub const HIDDEN_SHARE_MAX: f64 = 0.01;
-
-/// How an observed image is aligned with the clear one.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Registration {
-    /// It is already aligned.
-    #[default]
-    None,
-    /// It is shifted by fractions of a pixel or more, which the fit finds.
-    Shift,
-}
 
 /// The user's options for the fit of one channel.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -8,9 +8,11 @@ use super::names::WantedModel;
 use super::options::{RenderOptions, TracingOptions, non_negative, positive, provenance};
 use super::progress::Progress;
 use super::{UNDETERMINED, aligned, say};
+use crate::error::Error;
 use crate::fit::{
     ChannelFit, Draws, Method, SceneFit, Settings, Severity, Ways, add_advice, bootstrap, check_scenes,
-    filter_is_weak, fit_scenes, leave_out_tracing, profile, select, trace_instead, tracing_seconds,
+    filter_is_weak, fit_scenes, free_camera, leave_out_tracing, profile, select, trace_instead,
+    tracing_seconds,
 };
 use crate::io::atomic;
 use crate::scene::ObservedScene;
@@ -64,7 +66,7 @@ const CONFIRMING_RENDERS: u64 = 3;
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     arguments.tracing.check(&arguments.rendering)?;
     check_intervals(arguments)?;
-    let scenes =
+    let mut scenes =
         arguments.scenes.iter().map(|path| ObservedScene::read(path)).collect::<crate::Result<Vec<_>>>()?;
     let of = scenes.iter().map(|observed| &observed.scene);
     let chosen = Chosen::new(arguments.rendering.backend, of, [CONFIRMING_RENDERS, TYPICAL_RENDERS])?;
@@ -76,7 +78,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
         }
     }
     atomic::check_writable(&arguments.out.join("fit.json"))?;
-    let mut fit = estimate(arguments, &scenes, &chosen)?;
+    let mut fit = estimate(arguments, &mut scenes, &chosen)?;
     add_intervals(arguments, &scenes, &chosen, &mut fit)?;
     advise(arguments, &scenes, &chosen, &mut fit)?;
     fit.report.backend.reason = Some(chosen.reason.clone());
@@ -112,7 +114,7 @@ fn settings_of<'a>(arguments: &Arguments, chosen: &'a Chosen) -> Settings<'a> {
     }
 }
 
-fn estimate(arguments: &Arguments, scenes: &[ObservedScene], chosen: &Chosen) -> crate::Result<SceneFit> {
+fn estimate(arguments: &Arguments, scenes: &mut [ObservedScene], chosen: &Chosen) -> crate::Result<SceneFit> {
     let renders = TYPICAL_RENDERS * (scenes.len() * scenes[0].scene.object.len()) as u64;
     let progress = match arguments.rendering.model {
         WantedModel::This(Model::Traced) => Progress::uncounted("tracing and fitting"),
@@ -120,14 +122,25 @@ fn estimate(arguments: &Arguments, scenes: &[ObservedScene], chosen: &Chosen) ->
     };
     let tick = || progress.add(1);
     let (settings, filter) = (settings_of(arguments, chosen), arguments.rendering.filter);
-    match arguments.rendering.model {
+    let model = arguments.rendering.model;
+    let whole = |scenes: &[ObservedScene]| match model {
         WantedModel::This(_) => fit_scenes(scenes, &settings, filter, &tick),
-        WantedModel::Auto => {
-            let fit = select(scenes, &settings, filter, arguments.tolerance, &tick)?;
-            drop(progress);
-            trace_if_weak(arguments, scenes, chosen, fit)
+        WantedModel::Auto => select(scenes, &settings, filter, arguments.tolerance, &tick),
+    };
+    // Where the model is chosen, the most exact one looks for what the camera does.
+    let exact = match model {
+        WantedModel::This(_) => settings,
+        WantedModel::Auto => Settings { model: Model::WideAngle, ..settings },
+    };
+    let probe = |scenes: &[ObservedScene]| match fit_scenes(scenes, &exact, filter, &tick) {
+        Err(Error::OutOfRange { .. }) if model == WantedModel::Auto => {
+            fit_scenes(scenes, &settings, filter, &tick)
         }
-    }
+        fit => fit,
+    };
+    let fit = free_camera(scenes, whole, probe)?;
+    drop(progress);
+    if model == WantedModel::Auto { trace_if_weak(arguments, scenes, chosen, fit) } else { Ok(fit) }
 }
 
 /// The fit by `traced` where the filter is the weak link, if that takes no longer than is allowed.
@@ -200,6 +213,7 @@ fn print(arguments: &Arguments, fit: &SceneFit, chosen: &Chosen) -> Result<()> {
     let mut text = aligned(&report.table("1/length"));
     report.remarks().iter().for_each(|line| text += &format!("{line}\n"));
     text += &format!("{}\n", how_it_went(arguments, fit, chosen));
+    report.camera.iter().for_each(|step| text += &format!("{}\n", step.line()));
     report.candidates.iter().for_each(|candidate| text += &format!("{}\n", candidate.line()));
     if arguments.json {
         eprint!("{text}");

@@ -69,7 +69,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
         channels.push(named(rendered.image));
         if arguments.hidden_share.is_some() {
             let nothing = || Image::filled(scene.view.width, scene.view.height, 0.0);
-            shares.push(named(engine.hidden_share(target, medium)?.unwrap_or_else(nothing)));
+            shares.push(named(engine.hidden_share(target, &medium.into())?.unwrap_or_else(nothing)));
         }
     }
     drop(progress);

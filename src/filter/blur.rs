@@ -48,7 +48,7 @@ impl Band {
     ) -> Self {
         let (nearest, farthest) = match border {
             Border::Zero => (0, inputs as i64 - 1),
-            Border::Clamp | Border::Mirror => (i64::MIN, i64::MAX),
+            Border::Clamp | Border::Mirror | Border::Unknown => (i64::MIN, i64::MAX),
         };
         let mut dense = vec![0.0; inputs];
         let row = |x: f64| {

@@ -139,7 +139,7 @@ pub(super) fn padded(n: usize, border: Border, reach_px: f64) -> Padded {
             let size = fast_size(n + 2 * reach);
             Padded { size, margin: (size - n) / 2 }
         }
-        Border::Mirror => Padded { size: 2 * n, margin: 0 },
+        Border::Mirror | Border::Unknown => Padded { size: 2 * n, margin: 0 },
     }
 }
 

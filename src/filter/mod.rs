@@ -50,6 +50,7 @@ mod slab;
 pub mod slices;
 mod slope_correction;
 mod sources;
+pub mod spline;
 mod tables;
 mod transfer;
 mod unit_cells;
@@ -59,7 +60,7 @@ pub use cpu::Rendering;
 pub use hidden::hidden_share;
 pub use moved::{motion, moved};
 pub use plan::{CUT, Coverage};
-pub use registration::coarse_shift;
+pub use registration::{coarse_shift, coarse_similarity};
 
 use crate::error::Result;
 use crate::geometry::Geometry;

@@ -25,7 +25,7 @@ pub fn motion(image: &Image) -> Result<[Image; 2]> {
 }
 
 /// `image` beside its mirror images, twice as large, and what transforms it.
-fn mirrored(image: &Image) -> (Fft2<f32>, Vec<f32>) {
+pub(super) fn mirrored(image: &Image) -> (Fft2<f32>, Vec<f32>) {
     let (width, height) = (2 * image.width, 2 * image.height);
     let index = |i: usize, n: usize| Border::Mirror.index(i as i64, n).unwrap_or(0);
     let at = |x: usize, y: usize| image.at(index(x, image.width), index(y, image.height));

@@ -115,7 +115,7 @@ impl<'a> Plan<'a> {
         for slices in self.all_slices() {
             served &= slices.error(optics)? <= SLICE_TOLERANCE;
         }
-        Ok(Coverage { served, cut: self.target.border != Border::Mirror && reach > most })
+        Ok(Coverage { served, cut: !self.target.border.mirrors() && reach > most })
     }
 
     fn all_slices(&self) -> impl Iterator<Item = &Slices> {

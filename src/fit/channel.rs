@@ -30,14 +30,8 @@ pub fn fit_channel(
     let aligned = Aligned::new(observations)?;
     let views = aligned.observations(observations);
     let registered = views.iter().map(Observed::new).collect::<Result<Vec<_>>>()?;
-    let task = Task {
-        observations,
-        registered: &registered,
-        shifts_px: &aligned.shifts_px,
-        options,
-        settings,
-        progress,
-    };
+    let task =
+        Task { observations, registered: &registered, places: &aligned.places, options, settings, progress };
     if let Some(pilot) = settings.engine().pilot() {
         let pilot = fit_channel(observations, options, &settings.with(pilot), progress)?;
         let value = |quantity| pilot.parameters.value(quantity);

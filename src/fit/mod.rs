@@ -32,10 +32,12 @@ pub use observation::{NoiseTerm, Observation, VeilTerm, white_noise as noise};
 pub use optimise::{HEADROOM, PathsUsed};
 pub use parameters::{Bounds, Coordinate, Descriptor, Id, Parameter, Parameters, Role};
 pub use report::{
-    AdviceReport, BackendReport, Candidate, Derived, Determined, DiagnosisReport, Estimate, ExposureReport,
-    Fit, Regime, RegistrationErrors, RegistrationReport, Severity, Summary, Term, TracedSummary, Warning,
-    WarningCode, Ways,
+    AdviceReport, BackendReport, BlurReport, CameraStep, Candidate, Derived, Determined, DiagnosisReport,
+    Estimate, ExposureReport, FieldReport, Fit, Regime, RegistrationErrors, RegistrationReport, Severity,
+    Summary, Term, TracedSummary, Warning, WarningCode, Ways,
 };
 pub use scenes::{SceneFit, check_scenes, fit_scenes};
-pub use select::{SEQUENCE, filter_is_weak, leave_out_tracing, select, trace_instead, tracing_seconds};
+pub use select::{
+    SEQUENCE, filter_is_weak, free_camera, leave_out_tracing, select, trace_instead, tracing_seconds,
+};
 pub use settings::{Method, Settings};

@@ -11,7 +11,7 @@ use crate::filter::{Filter, Target};
 use crate::geometry::path_lengths;
 use crate::image::{Channel, Image};
 use crate::relief::Relief;
-use crate::scene::{FitOptions, Noise, ObservedScene, Registration, Veil};
+use crate::scene::{FitOptions, Noise, ObservedScene, Veil};
 use std::time::Instant;
 
 /// The fits of all channels, the images that they leave, and the report.
@@ -36,7 +36,7 @@ impl SceneFit {
     /// Share of hidden light of every pixel of scene `scene`, where it has some.
     pub fn hidden_share(&self, scene: usize) -> Option<Vec<Channel>> {
         let channel = |(name, fit): &(String, ChannelFit)| {
-            Some(Channel { name: name.clone(), image: fit.hidden_shares[scene].clone()? })
+            Some(Channel { name: name.clone(), image: fit.unseen[scene].hidden.clone()? })
         };
         self.channels.iter().map(channel).collect()
     }
@@ -65,7 +65,7 @@ impl SceneFit {
 
     /// Whether some light of some scene may be hidden, even if too little to leave pixels out.
     pub fn hides(&self) -> bool {
-        self.channels.iter().any(|(_, fit)| fit.hidden_shares.iter().any(Option::is_some))
+        self.channels.iter().any(|(_, fit)| fit.unseen.iter().any(|unseen| unseen.hidden.is_some()))
     }
 
     /// Observation minus best fit of scene `scene`.
@@ -108,8 +108,7 @@ pub fn check_scenes(scenes: &[ObservedScene], settings: &Settings) -> Result<()>
             return Err(Error::Scene { path: scene.path.clone(), message });
         }
     }
-    let registers = |s: &ObservedScene| s.observation.registration != Registration::None;
-    if !settings.engine().renders_shifts() && scenes.iter().any(registers) {
+    if !settings.engine().renders_shifts() && scenes.iter().any(|s| s.observation.frees_camera()) {
         return Err(Error::NotShifted);
     }
     let shown: Vec<_> = scenes.iter().map(|s| (&s.scene.geometry, &s.scene.object[0].image)).collect();
@@ -185,9 +184,12 @@ fn observation<'a>(seen: &'a ObservedScene, relief: Option<&'a Relief>, i: usize
         veil: match &observation.veil {
             Veil::Fixed(v) => VeilTerm::Fixed(*v),
             Veil::Image(channels) => VeilTerm::Image(&channels[i].image),
-            Veil::Free => VeilTerm::Free,
+            Veil::Free(field) => VeilTerm::Free(*field),
+            Veil::Auto => VeilTerm::Fixed(0.0),
         },
-        registration: observation.registration,
+        registration: observation.registration.least(),
+        blur: observation.blur.least(),
+        gain_field: observation.gain_field.least(),
         sampling_is_known: scene.sampling_is_known,
     }
 }

@@ -1,12 +1,13 @@
 //! What makes forward models.
 
 use super::ForwardModel;
+use super::imaged::{Imaged, Recorder};
 use super::kernels::Filtered;
 use super::quantity::State;
 use super::replay::{self, Replayed, Tracing};
 use crate::error::Result;
 use crate::filter::{Backend, Optics, Target, hidden_share};
-use crate::image::Image;
+use crate::image::{Border, Image, View};
 use crate::medium::Medium;
 use crate::spread::Model;
 
@@ -39,6 +40,11 @@ impl<'a> Engine<'a> {
         headroom: f64,
         scene: usize,
     ) -> Result<Box<dyn ForwardModel + 'a>> {
+        if let Some(imaging) = &state.imaging {
+            let recorder = Recorder::new(&target, imaging)?;
+            let light = self.prepare(recorder.target(target), &state.without_imaging(), headroom, scene)?;
+            return Ok(Box::new(Imaged::new(light, recorder)));
+        }
         if self.model == Model::Traced {
             return Ok(Box::new(Replayed::new(target, state, self.tracing, scene as u64)?));
         }
@@ -62,14 +68,46 @@ impl<'a> Engine<'a> {
         Ok(Box::new(Filtered::new(self.model, filter)))
     }
 
-    /// The share of hidden light of every pixel of `target`'s view; `None` where nothing is hidden. Where the model has no
-    /// kernels, those of `small-angle` stand in.
+    /// The share of hidden light of every pixel of `target`'s view at `state`; `None` where nothing is hidden. Where the model has
+    /// no kernels, those of `small-angle` stand in.
     ///
     /// # Errors
     /// As [`ForwardModel::image`].
-    pub fn hidden_share(&self, target: Target<'a>, medium: Medium) -> Result<Option<Image>> {
+    pub fn hidden_share(&self, target: Target<'a>, state: &State) -> Result<Option<Image>> {
+        if let Some(imaging) = &state.imaging {
+            let recorder = Recorder::new(&target, imaging)?;
+            let share = self.hidden_share(recorder.target(target), &state.without_imaging())?;
+            return recorder.share(share.as_ref(), imaging);
+        }
         let hides = target.relief.is_some_and(|relief| relief.hides());
-        hides.then(|| hidden_share(&target, &self.optics(medium), self.backend)).transpose()
+        hides.then(|| hidden_share(&target, &self.optics(state.medium), self.backend)).transpose()
+    }
+
+    /// The share of the light of every pixel of `target`'s view at `state` that comes from outside the clear image, where that is not
+    /// known; `None` where it is. Of a pixel that looks outside itself it is all.
+    ///
+    /// # Errors
+    /// As [`ForwardModel::image`].
+    pub fn outside_share(&self, target: Target<'a>, state: &State) -> Result<Option<Image>> {
+        if target.border != Border::Unknown {
+            return Ok(None);
+        }
+        let (width, height) = (target.radiance.width, target.radiance.height);
+        let even = Image::filled(width, height, 1.0);
+        let behind: Vec<Image> = target.behind.iter().map(|_| even.clone()).collect();
+        let engine = self.without_noise();
+        let lit = |border: Border| {
+            let view = View::whole(width, height);
+            let target = Target { radiance: &even, behind: &behind, border, view, relief: None, ..target };
+            engine.image(target, &State::from(state.medium), 0, 1.0)
+        };
+        let (inside, all) = (lit(Border::Zero)?, lit(Border::Mirror)?);
+        let of =
+            |(inside, all): (&f32, &f32)| if *all > 0.0 { (1.0 - inside / all).clamp(0.0, 1.0) } else { 1.0 };
+        let data = inside.data.iter().zip(&all.data).map(of).collect();
+        Recorder::new(&target, &state.imaging.unwrap_or_default())?
+            .outside(&Image { width, height, data }, state)
+            .map(Some)
     }
 
     /// An independent image of `target`, scene number `scene`, at `state`. If the model traces, its paths have the shapes of
@@ -78,6 +116,11 @@ impl<'a> Engine<'a> {
     /// # Errors
     /// As [`ForwardModel::image`].
     pub fn image(&self, target: Target<'a>, state: &State, scene: usize, stretch: f64) -> Result<Image> {
+        if let Some(imaging) = &state.imaging {
+            let recorder = Recorder::new(&target, imaging)?;
+            let light = self.image(recorder.target(target), &state.without_imaging(), scene, stretch)?;
+            return recorder.image(&light, imaging);
+        }
         if self.model == Model::Traced {
             return replay::render(target, state, self.tracing, (scene as u64, stretch));
         }
@@ -103,6 +146,17 @@ impl<'a> Engine<'a> {
     /// # Errors
     /// As [`ForwardModel::image`].
     pub fn parts(&self, target: Target<'a>, state: &State, others: &[State]) -> Result<Parts> {
+        if let Some(imaging) = &state.imaging {
+            let recorder = Recorder::new(&target, imaging)?;
+            let others: Vec<State> = others.iter().map(State::without_imaging).collect();
+            let light = self.parts(recorder.target(target), &state.without_imaging(), &others)?;
+            let recorded = |image: &Image| recorder.image(image, imaging);
+            return Ok(Parts {
+                whole: recorded(&light.whole)?,
+                direct: recorded(&light.direct)?,
+                others: light.others.iter().map(recorded).collect::<Result<_>>()?,
+            });
+        }
         let filter = self.backend.prepare(target, &self.optics(state.medium), 1.0)?;
         let model = Filtered::new(self.model, filter);
         let others = others.iter().map(|other| model.image(other)).collect::<Result<_>>()?;

@@ -5,13 +5,13 @@
 //! the Gram matrix of the E_c, the observation y and 1 over the pixels that count. An evaluation then takes microseconds,
 //! whatever the image's size.
 
-use super::ForwardModel;
 use super::products::{Exposure, Pixels, Products};
 use super::quantity::{Quantity, State};
+use super::{ForwardModel, Rendering};
 use crate::error::Result;
 use crate::filter::basis::{Basis, Images, combination};
 use crate::filter::blur::{Lane, dot};
-use crate::filter::{Coverage, Optics, Rendering, Target};
+use crate::filter::{Coverage, Optics, Target};
 use crate::image::Image;
 use crate::spread::{Dual, Model};
 use nalgebra::DMatrix;
@@ -38,8 +38,8 @@ impl<'a> GramModel<'a> {
     pub fn new(model: Model, target: Target<'a>, pixels: &Pixels) -> Option<Self> {
         let basis = Basis::new(target)?;
         let images = basis.images();
-        let size = basis.count() + 2;
-        let seen = Seen { values: pixels.values(), width: target.view.width };
+        let size = basis.count() + 1 + pixels.veil_terms;
+        let seen = Seen { values: pixels.values(), width: target.view.width, pixels };
         let strips = images.strips();
         let parts: Vec<Vec<f64>> =
             strips.par_iter().map(|strip| strip_products(&images, &seen, strip, size)).collect();
@@ -72,9 +72,9 @@ impl ForwardModel for GramModel<'_> {
             let slopes: Vec<f64> = weights.iter().map(|weight| weight.gradient[axis]).collect();
             combination(&slopes, &images)
         };
-        let gradient = Some([0, 1, 2].map(slope));
+        let gradient = [0, 1, 2].map(slope);
         let values: Vec<f64> = weights.iter().map(|weight| weight.value).collect();
-        Ok(Rendering { image: combination(&values, &images), gradient, motion: None })
+        Ok(Rendering::of_medium(combination(&values, &images), gradient))
     }
 
     fn products(&self, state: &State, _pixels: &Pixels) -> Result<Products> {
@@ -82,15 +82,18 @@ impl ForwardModel for GramModel<'_> {
         let (observation, one) = (weights.len(), weights.len() + 1);
         let Exposure { gain, veil } = self.reference;
         let residual = Quantity::MEDIUM.len() + 1;
-        let mut columns = DMatrix::zeros(one + 1, residual + 2);
+        let terms = self.matrix.nrows() - one;
+        let mut columns = DMatrix::zeros(one + terms, residual + 1 + terms);
         for (mut row, weight) in columns.row_iter_mut().zip(&weights) {
             row[0] = weight.value;
             row.iter_mut().skip(1).zip(weight.gradient).for_each(|(v, slope)| *v = slope);
             row[residual] = gain * weight.value;
         }
         columns[(observation, residual)] = -1.0;
-        columns[(one, residual)] = veil;
-        columns[(one, residual + 1)] = 1.0;
+        for term in 0..terms {
+            columns[(one + term, residual)] = veil.0[term];
+            columns[(one + term, residual + 1 + term)] = 1.0;
+        }
         let products = columns.transpose() * (&self.matrix * &columns);
         Ok(Products::new(self.reference, Quantity::MEDIUM.to_vec(), products))
     }
@@ -101,9 +104,10 @@ impl ForwardModel for GramModel<'_> {
 }
 
 /// The observed values and weights of all pixels of a view.
-struct Seen {
+struct Seen<'x> {
     values: Vec<(f32, f32)>,
     width: usize,
+    pixels: &'x Pixels,
 }
 
 /// The lower half of the products over one strip, row-major.
@@ -120,7 +124,12 @@ fn strip_products(images: &Images, seen: &Seen, strip: &Range<usize>, size: usiz
         let one = lanes(&|i| seen.values[i].1.sqrt());
         let y = lanes(&|i| seen.values[i].0 * seen.values[i].1.sqrt());
         let counted: Vec<Vec<Lane>> = images.iter().map(|image| times(image, &one)).collect();
-        let all: Vec<&[f32]> = counted.iter().chain([&y, &one]).map(|image| image.as_flattened()).collect();
+        let slopes = (1..seen.pixels.veil_terms).map(|term| {
+            lanes(&|i| (seen.pixels.places.monomials(i)[term] * f64::from(seen.values[i].1.sqrt())) as f32)
+        });
+        let veil: Vec<Vec<Lane>> = std::iter::once(one.clone()).chain(slopes).collect();
+        let all: Vec<&[f32]> =
+            counted.iter().chain([&y]).chain(&veil).map(|image| image.as_flattened()).collect();
         for (i, a) in all.iter().enumerate() {
             for (sum, b) in sums[i * size..].iter_mut().zip(&all[..=i]) {
                 *sum += f64::from(dot(a, b));

@@ -1,12 +1,12 @@
 //! Spread kernels through the depth-dependent filter.
 
-use super::ForwardModel;
 use super::products::{Pixels, Products};
 use super::quantity::State;
+use super::{ForwardModel, Rendering};
 #[cfg(feature = "gpu")]
 use super::{device::OnDevice, products::Exposure};
 use crate::error::Result;
-use crate::filter::{Coverage, Optics, Prepared, Rendering};
+use crate::filter::{Coverage, Optics, Prepared};
 use crate::image::Image;
 use crate::spread::Model;
 use std::cell::RefCell;
@@ -56,10 +56,11 @@ impl<'a> Filtered<'a> {
             return Ok(Rc::clone(rendering));
         }
         let optics = self.optics(state);
-        let rendering = Rc::new(match state.shift_px {
+        let rendering = match state.shift_px {
             Some(shift_px) => self.filter.render_shifted_with_gradient(&optics, shift_px)?,
             None => self.filter.render_with_gradient(&optics)?,
-        });
+        };
+        let rendering = Rc::new(Rendering::from(rendering));
         *self.latest.borrow_mut() = Some((*state, Rc::clone(&rendering)));
         Ok(rendering)
     }
@@ -100,9 +101,8 @@ impl ForwardModel for Filtered<'_> {
         if let Some(products) = self.on_device(state, false) {
             return products;
         }
-        let rendering =
-            Rendering { image: self.render(&self.optics(state), state)?, gradient: None, motion: None };
-        Ok(Products::over(pixels, &rendering))
+        let image = self.render(&self.optics(state), state)?;
+        Ok(Products::over(pixels, &Rendering::level(image)))
     }
 
     #[cfg(feature = "gpu")]

@@ -8,20 +8,22 @@
 mod device;
 mod engine;
 mod gram;
+mod imaged;
 mod kernels;
 mod products;
 mod quantity;
+mod rendering;
 mod replay;
 
 pub use engine::{Engine, Parts, Rendered};
 pub use gram::GramModel;
-pub use products::{Exposure, Pixel, Pixels, Products};
-pub(crate) use quantity::derivatives;
+pub use products::{Exposure, Pixel, Pixels, Products, Veil};
 pub use quantity::{Quantity, State};
+pub use rendering::Rendering;
 pub use replay::{MOST_PATHS, Tracing};
 
 use crate::error::Result;
-use crate::filter::{Coverage, Rendering};
+use crate::filter::Coverage;
 use crate::image::Image;
 
 /// One scene as a model sees it.

@@ -1,12 +1,14 @@
 //! Inner products of a render, its derivatives and an observation: all that least squares asks of a scene.
 //!
-//! The columns are the render m, its derivatives, the residual r = gain · m + veil - y at a reference exposure, and 1. Their
+//! The columns are the render m, its derivatives, the residual r = gain · m + veil - y at a reference exposure, and the monomials that
+//! a veil is made of, 1 the first. Their
 //! Gram matrix over the pixels that count, each with its weight, is a sufficient statistic of the observation. Near the best
 //! exposure r is small, so nothing cancels.
 
-use super::quantity::{Quantity, derivatives};
-use crate::filter::Rendering;
+use super::quantity::Quantity;
+use super::rendering::Rendering;
 use crate::image::Image;
+use crate::imaging::{MONOMIALS, Places};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -21,13 +23,34 @@ pub struct Pixel {
     pub weight: f32,
 }
 
+/// Light that the object has not sent, in units of the observation: coefficients of the [monomials](Places::monomials) of the place.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Veil(pub [f64; MONOMIALS]);
+
+impl Veil {
+    /// The same everywhere.
+    pub fn constant(veil: f64) -> Self {
+        let mut terms = [0.0; MONOMIALS];
+        terms[0] = veil;
+        Self(terms)
+    }
+
+    /// Its value at the pixel `index`.
+    pub fn at(&self, places: Places, index: usize) -> f64 {
+        if self.0[1..].iter().all(|&c| c == 0.0) {
+            return self.0[0];
+        }
+        places.monomials(index).iter().zip(self.0).map(|(m, c)| m * c).sum()
+    }
+}
+
 /// observed = `gain` · object light + `veil`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exposure {
     /// Factor on the object's light.
     pub gain: f64,
-    /// Constant light, in units of the observation.
-    pub veil: f64,
+    /// Light that the object has not sent.
+    pub veil: Veil,
 }
 
 /// The pixels of an observation that count.
@@ -35,22 +58,29 @@ pub struct Exposure {
 pub struct Pixels {
     /// Those that count, in the order of their indices.
     pub counted: Vec<Pixel>,
-    /// Number of pixels of the view.
-    pub total: usize,
+    /// Places in the view.
+    pub places: Places,
     /// Exposure at which residuals are formed: what is given, else gain 1 and veil 0.
     pub reference: Exposure,
+    /// Number of monomials of the veil, the first ones, that are columns; at least 1.
+    pub veil_terms: usize,
 }
 
 impl Pixels {
+    /// Number of pixels of the view.
+    pub fn total(&self) -> usize {
+        self.places.width * self.places.height
+    }
+
     /// The observed value of every pixel of the view and its weight; both 0 where it does not count.
     pub fn values(&self) -> Vec<(f32, f32)> {
-        let mut values = vec![(0.0, 0.0); self.total];
+        let mut values = vec![(0.0, 0.0); self.total()];
         self.counted.iter().for_each(|p| values[p.index as usize] = (p.value, p.weight));
         values
     }
 }
 
-/// The Gram matrix of render, derivatives, residual and 1, in this order.
+/// The Gram matrix of render, derivatives, residual and the veil's monomials, in this order.
 #[derive(Debug, Clone)]
 pub struct Products {
     reference: Exposure,
@@ -62,43 +92,46 @@ pub struct Products {
 const CHUNK: usize = 8192;
 
 /// The columns at one pixel.
-fn columns(pixel: &Pixel, images: &[&Image], reference: Exposure, out: &mut [f64]) {
-    let i = pixel.index as usize;
+fn columns(pixels: &Pixels, pixel: &Pixel, images: &[&Image], out: &mut [f64]) {
+    let (i, reference) = (pixel.index as usize, pixels.reference);
     for (value, image) in out.iter_mut().zip(images) {
         *value = f64::from(image.data[i]);
     }
     let n = images.len();
-    out[n] = reference.gain * out[0] + reference.veil - f64::from(pixel.value);
-    out[n + 1] = 1.0;
+    out[n] = reference.gain * out[0] + reference.veil.at(pixels.places, i) - f64::from(pixel.value);
+    if pixels.veil_terms == 1 {
+        out[n + 1] = 1.0;
+    } else {
+        out[n + 1..].copy_from_slice(&pixels.places.monomials(i)[..pixels.veil_terms]);
+    }
 }
 
 /// The images of a render and what their derivatives are taken in.
 fn images(rendering: &Rendering) -> (Vec<&Image>, Vec<Quantity>) {
-    let derivatives = derivatives(rendering);
-    let images =
-        std::iter::once(&rendering.image).chain(derivatives.iter().map(|(_, image)| *image)).collect();
-    (images, derivatives.into_iter().map(|(quantity, _)| quantity).collect())
+    let of_derivatives = rendering.derivatives.iter();
+    let images = std::iter::once(&rendering.image).chain(of_derivatives.map(|(_, image)| image)).collect();
+    (images, rendering.derivatives.iter().map(|(quantity, _)| *quantity).collect())
 }
 
 impl Products {
-    /// From the Gram matrix of render, `derivatives`, residual at the exposure `reference`, and 1.
+    /// From the Gram matrix of render, `derivatives`, residual at the exposure `reference`, and the veil's monomials.
     ///
     /// # Panics
-    /// If the matrix is not square with a row for each of them.
+    /// If the matrix is not square with a row for each of them, and for at least one monomial.
     pub fn new(reference: Exposure, derivatives: Vec<Quantity>, matrix: DMatrix<f64>) -> Self {
-        let size = derivatives.len() + 3;
-        assert_eq!(matrix.shape(), (size, size), "a row and a column for each image");
+        let least = derivatives.len() + 3;
+        assert!(matrix.is_square() && matrix.nrows() >= least, "a row and a column for each image");
         Self { reference, derivatives, matrix }
     }
 
     /// The products over `pixels` of `rendering` with the derivatives that it has.
     pub fn over(pixels: &Pixels, rendering: &Rendering) -> Self {
         let (images, derivatives) = images(rendering);
-        let size = images.len() + 2;
+        let size = images.len() + 1 + pixels.veil_terms;
         let chunk = |pixels_here: &[Pixel]| {
             let (mut all, mut sums) = (vec![0.0; size], vec![0.0; size * size]);
             for pixel in pixels_here {
-                columns(pixel, &images, pixels.reference, &mut all);
+                columns(pixels, pixel, &images, &mut all);
                 let weight = f64::from(pixel.weight);
                 for (row, left) in sums.chunks_exact_mut(size).zip(&all) {
                     let left = left * weight;
@@ -114,13 +147,13 @@ impl Products {
     /// The same of the products of one of two renders with the other, in which noise that they do not share has no part.
     pub fn between(pixels: &Pixels, renders: [&Rendering; 2]) -> Self {
         let [(first, derivatives), (second, _)] = renders.map(images);
-        let size = first.len() + 2;
+        let size = first.len() + 1 + pixels.veil_terms;
         let chunk = |pixels_here: &[Pixel]| {
             let (mut a, mut b) = (DVector::zeros(size), DVector::zeros(size));
             let mut sums = DMatrix::zeros(size, size);
             for pixel in pixels_here {
-                columns(pixel, &first, pixels.reference, a.as_mut_slice());
-                columns(pixel, &second, pixels.reference, b.as_mut_slice());
+                columns(pixels, pixel, &first, a.as_mut_slice());
+                columns(pixels, pixel, &second, b.as_mut_slice());
                 sums.ger(f64::from(pixel.weight), &a, &b, 1.0);
             }
             0.5 * (&sums + sums.transpose())
@@ -155,9 +188,9 @@ impl Products {
         self.unit(0)
     }
 
-    /// The image 1 as a combination of the columns.
-    pub fn one(&self) -> DVector<f64> {
-        self.unit(self.derivatives.len() + 2)
+    /// The monomial number `term` of the veil as a combination of the columns.
+    pub fn veil(&self, term: usize) -> DVector<f64> {
+        self.unit(self.derivatives.len() + 2 + term)
     }
 
     /// The observation y as a combination of the columns.
@@ -168,18 +201,20 @@ impl Products {
 
     /// The residual at another `exposure` as a combination of the columns.
     pub fn residual(&self, exposure: Exposure) -> DVector<f64> {
-        self.combination(exposure.gain - self.reference.gain, 1.0, exposure.veil - self.reference.veil)
+        let change = std::array::from_fn(|term| exposure.veil.0[term] - self.reference.veil.0[term]);
+        self.combination(exposure.gain - self.reference.gain, 1.0, Veil(change))
     }
 
-    fn combination(&self, render: f64, residual: f64, one: f64) -> DVector<f64> {
+    fn combination(&self, render: f64, residual: f64, veil: Veil) -> DVector<f64> {
         let n = self.derivatives.len();
-        let mut all = DVector::zeros(n + 3);
-        (all[0], all[n + 1], all[n + 2]) = (render, residual, one);
+        let mut all = DVector::zeros(self.matrix.nrows());
+        (all[0], all[n + 1]) = (render, residual);
+        all.rows_range_mut(n + 2..).iter_mut().zip(veil.0).for_each(|(part, term)| *part = term);
         all
     }
 
     fn unit(&self, i: usize) -> DVector<f64> {
-        DVector::from_fn(self.derivatives.len() + 3, |j, _| f64::from(u8::from(i == j)))
+        DVector::from_fn(self.matrix.nrows(), |j, _| f64::from(u8::from(i == j)))
     }
 }
 

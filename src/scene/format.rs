@@ -3,6 +3,7 @@
 use super::source::Source;
 use crate::error::{Error, Result};
 use crate::image::Border;
+use crate::imaging::VeilField;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::path::PathBuf;
@@ -86,6 +87,8 @@ pub(super) struct ObservationSection {
     pub veil: VeilValue,
     pub hidden_share_max: Option<f64>,
     pub registration: Option<String>,
+    pub blur_px: Option<BlurValue>,
+    pub gain_field: Option<String>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -170,6 +173,16 @@ pub(super) enum VeilValue {
     Number(f64),
     File(PathBuf),
     Free,
+    Field(VeilField),
+    Auto,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(try_from = "Value")]
+pub(super) enum BlurValue {
+    Number(f64),
+    Free,
+    Auto,
 }
 
 impl Default for NumberOrFile {
@@ -250,6 +263,19 @@ impl TryFrom<Value> for NumberOrFree {
     }
 }
 
+impl TryFrom<Value> for BlurValue {
+    type Error = String;
+
+    fn try_from(value: Value) -> std::result::Result<Self, String> {
+        match (number(&value), value.as_str()) {
+            (Some(v), _) => Ok(Self::Number(v)),
+            (_, Some("free")) => Ok(Self::Free),
+            (_, Some("auto")) => Ok(Self::Auto),
+            _ => refused(&value, "a number, nor \"free\" or \"auto\""),
+        }
+    }
+}
+
 impl TryFrom<Value> for VeilValue {
     type Error = String;
 
@@ -257,8 +283,14 @@ impl TryFrom<Value> for VeilValue {
         match (number(&value), value.as_str()) {
             (Some(v), _) => Ok(Self::Number(v)),
             (_, Some("free")) => Ok(Self::Free),
+            (_, Some("auto")) => Ok(Self::Auto),
+            (_, Some("linear")) => Ok(Self::Field(VeilField::Linear)),
+            (_, Some("quadratic")) => Ok(Self::Field(VeilField::Quadratic)),
             (_, Some(path)) => Ok(Self::File(path.into())),
-            _ => refused(&value, "a number, nor the name of an EXR file, nor \"free\""),
+            _ => refused(
+                &value,
+                "a number, nor the name of an EXR file, nor \"free\", \"linear\", \"quadratic\" or \"auto\"",
+            ),
         }
     }
 }

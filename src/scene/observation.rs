@@ -1,12 +1,13 @@
 //! `[observation]`: which part of the object is seen, and the image of it.
 
-use super::format::{NumberOrFree, ObservationSection, VeilValue};
+use super::format::{BlurValue, NumberOrFree, ObservationSection, VeilValue};
 use super::images::{Frame, check_pixels, check_size};
 use super::source::Source;
 use super::variance;
-use super::{Gain, HIDDEN_SHARE_MAX, Noise, Observation, Registration, Scene, Veil};
+use super::{Gain, HIDDEN_SHARE_MAX, Noise, Observation, Scene, Veil};
 use crate::error::{Error, Result};
 use crate::image::{Channel, Image, View};
+use crate::imaging::{Blur, Choice, GainField, Registration, VeilField};
 use crate::io::exr::{self, ExrFile};
 use std::path::{Path, PathBuf};
 
@@ -140,27 +141,62 @@ pub(super) fn read_observation(
     let gain_error = source.relative_error("[observation] gain_error", section.gain_error)?;
     let veil = match &section.veil {
         VeilValue::Number(v) => Veil::Fixed(source.finite("[observation] veil", *v)?),
-        VeilValue::Free => Veil::Free,
+        VeilValue::Free => Veil::Free(VeilField::Constant),
+        VeilValue::Field(field) => Veil::Free(*field),
+        VeilValue::Auto => Veil::Auto,
         VeilValue::File(file) => Veil::Image(read_veil(source.resolve(file), &names, &frame, mask.as_ref())?),
     };
     let share = section.hidden_share_max.unwrap_or(HIDDEN_SHARE_MAX);
     let ok = share > 0.0 && share <= 1.0;
     let key = "[observation] hidden_share_max";
     let hidden_share_max = source.in_range(key, share, ok, "above 0 and at most 1")?;
-    let registration = read_registration(source, section.registration.as_deref())?;
-    Ok(Observation { path, image, noise, mask, gain, gain_error, veil, hidden_share_max, registration })
+    let named = |key: &str, name: &Option<String>, known: &[&'static str]| match name.as_deref() {
+        None => Ok(None),
+        Some("auto") => Ok(Some(Choice::Auto)),
+        Some(name) => match known.iter().position(|known| *known == name) {
+            Some(i) => Ok(Some(Choice::Is(i))),
+            None => Err(source
+                .error(format!("[observation] {key} = \"{name}\": known are {}, auto", known.join(", ")))),
+        },
+    };
+    let registration =
+        named("registration", &section.registration, &Registration::ALL.map(Registration::name))?;
+    let gain_field = named("gain_field", &section.gain_field, &GainField::ALL.map(GainField::name))?;
+    let blur = match section.blur_px {
+        None => Choice::Is(Blur::default()),
+        Some(BlurValue::Auto) => Choice::Auto,
+        Some(BlurValue::Free) => Choice::Is(Blur::Free),
+        Some(BlurValue::Number(px)) => {
+            let ok = (0.0..=10.0).contains(&px);
+            Choice::Is(Blur::Fixed(source.in_range(
+                "[observation] blur_px",
+                px,
+                ok,
+                "at least 0 and at most 10 px",
+            )?))
+        }
+    };
+    Ok(Observation {
+        path,
+        image,
+        noise,
+        mask,
+        gain,
+        gain_error,
+        veil,
+        hidden_share_max,
+        registration: chosen(registration, |i| Registration::ALL[i]),
+        blur,
+        gain_field: chosen(gain_field, |i| GainField::ALL[i]),
+    })
 }
 
-fn read_registration(source: &Source, name: Option<&str>) -> Result<Registration> {
-    match name {
-        None | Some("none") => Ok(Registration::None),
-        Some("shift") => Ok(Registration::Shift),
-        Some(other) => {
-            let known = "none, shift";
-            Err(source.error(format!(
-                "[observation] registration: unknown registration {other}; known are {known}"
-            )))
-        }
+/// What is stated, the default where nothing is.
+fn chosen<T: Default>(stated: Option<Choice<usize>>, of: impl Fn(usize) -> T) -> Choice<T> {
+    match stated {
+        None => Choice::Is(T::default()),
+        Some(Choice::Is(i)) => Choice::Is(of(i)),
+        Some(Choice::Auto) => Choice::Auto,
     }
 }
 

@@ -32,7 +32,7 @@ impl Canvas {
             border: match border {
                 Border::Zero => 0,
                 Border::Clamp => 1,
-                Border::Mirror => 2,
+                Border::Mirror | Border::Unknown => 2,
             },
             layers: layers as u32,
         }

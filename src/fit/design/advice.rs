@@ -94,7 +94,7 @@ impl Study<'_> {
             changed.iter_mut().zip(self.exposures).for_each(|(o, e)| change(o, e));
             changed
         };
-        let is_veil_free = |o: &Observation| matches!(o.veil, VeilTerm::Free);
+        let is_veil_free = |o: &Observation| matches!(o.veil, VeilTerm::Free(_));
         let mut all = vec![self.second_depth(measured)?, self.sharp_target(measured)?];
         all.push(same_scenes("half the noise (four times the exposure)", measured.to_vec(), HALF)?);
         if measured.iter().any(|o| o.gain == Gain::Free) {
@@ -105,7 +105,7 @@ impl Study<'_> {
         if measured.iter().any(is_veil_free) {
             let known = with(&|o, e| {
                 if is_veil_free(o) {
-                    o.veil = VeilTerm::Fixed(e.exposure.veil);
+                    o.veil = VeilTerm::Fixed(e.exposure.veil.0[0]);
                 }
             });
             all.push(same_scenes("a known veil", known, 1.0)?);
@@ -173,7 +173,7 @@ impl Study<'_> {
         let planned = Planned {
             observations: &plan.observations,
             exposures: &plan.exposures,
-            hidden_shares: &self.fit.hidden_shares,
+            unseen: &self.fit.unseen,
             variance_scale: self.fit.covariance.variance_scale() * plan.noise * plan.noise,
         };
         let parameters = self.fit.parameters.clone();

@@ -9,11 +9,11 @@ use crate::filter::{Filter, Target};
 use crate::fit::Settings;
 use crate::fit::scenes::{SceneFit, fit_scenes};
 use crate::image::{Channel, Sampling};
+use crate::imaging::{Blur, Choice, GainField, Registration, VeilField};
 use crate::medium::Medium;
 use crate::phase::PhaseFunction;
 use crate::scene::{
-    FitOptions, Gain, HIDDEN_SHARE_MAX, Noise, Observation, ObservedScene, ParameterOptions, Registration,
-    Scene, Veil,
+    FitOptions, Gain, HIDDEN_SHARE_MAX, Noise, Observation, ObservedScene, ParameterOptions, Scene, Veil,
 };
 use crate::spread::Model;
 
@@ -65,10 +65,12 @@ impl Plan {
             noise: Some(Noise::Level(self.noise)),
             mask: None,
             gain: if self.free_gain { Gain::Free } else { Gain::Fixed(1.0) },
-            veil: if self.free_veil { Veil::Free } else { Veil::Fixed(0.0) },
+            veil: if self.free_veil { Veil::Free(VeilField::Constant) } else { Veil::Fixed(0.0) },
             gain_error: 0.0,
             hidden_share_max: HIDDEN_SHARE_MAX,
-            registration: Registration::None,
+            registration: Choice::Is(Registration::None),
+            blur: Choice::Is(Blur::default()),
+            gain_field: Choice::Is(GainField::None),
         }
     }
 }

@@ -6,7 +6,9 @@ use super::diagnosis::Finding;
 use super::error_images::ErrorSource;
 use super::exposure::ExposureEstimate;
 use super::input_error::InputError;
+use super::lack_of_fit::LACKING;
 use super::model_error::ModelError;
+use crate::fit::observation::Unseen;
 use crate::fit::optimise::PathsUsed;
 use crate::fit::parameters::{Id, Parameters};
 use crate::image::Image;
@@ -49,6 +51,8 @@ pub struct ChannelFit {
     pub pixels: usize,
     /// Pixels left out because of hidden light.
     pub hidden_pixels: usize,
+    /// Pixels left out because of light from outside the clear image.
+    pub outside_pixels: usize,
     /// Median path length over all scenes, length.
     pub median_z: f64,
     /// Median length of a pixel at the object of the first scene.
@@ -79,13 +83,18 @@ pub struct ChannelFit {
     pub free_gain: bool,
     /// Each scene's best fit, gain · object light + veil, over its view: to compare with the observation.
     pub renders: Vec<Image>,
-    /// Share of hidden light of each scene's pixels at the best fit; `None` for a scene in which nothing is hidden.
-    pub hidden_shares: Vec<Option<Image>>,
+    /// Shares of each scene's light that no image shows, at the best fit.
+    pub(crate) unseen: Vec<Unseen>,
     /// What the data determine where they leave a parameter open, or hold two only together.
     pub determined: Vec<Combination>,
 }
 
 impl ChannelFit {
+    /// Whether blocks of residuals are more than noise leaves in them.
+    pub fn lacks_fit(&self) -> bool {
+        self.lack_of_fit > LACKING
+    }
+
     /// Akaike's information criterion, chi² + 2 k with k fitted numbers (Akaike 1974): the log-likelihood of a normal noise
     /// that is known, or held at its estimate.
     pub fn aic(&self) -> f64 {

@@ -3,7 +3,7 @@
 use super::covariance::Covariance;
 use crate::error::Result;
 use crate::filter::Target;
-use crate::fit::observation::{Observation, Observed};
+use crate::fit::observation::{Observation, Observed, Unseen};
 use crate::fit::optimise::{Eliminated, NormalEquations, Problem, SceneModels};
 use crate::fit::parameters::Parameters;
 use crate::forward::{Engine, Exposure};
@@ -17,8 +17,8 @@ pub(crate) struct Displacement<'x, 'a> {
     pub parameters: &'x Parameters,
     pub covariance: &'x Covariance,
     pub exposures: Vec<Exposure>,
-    /// Each scene's share of hidden light.
-    pub hidden_shares: &'x [Option<Image>],
+    /// Each scene's shares of light that no image shows.
+    pub unseen: &'x [Unseen],
     pub engine: Engine<'a>,
     pub progress: &'x dyn Fn(),
 }

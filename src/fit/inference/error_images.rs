@@ -6,10 +6,10 @@
 use super::displacement::Displacement;
 use crate::error::Result;
 use crate::filter::Target;
-use crate::fit::observation::Observation;
+use crate::fit::observation::{Observation, Unseen};
 use crate::fit::parameters::Parameters;
 use crate::forward::{Engine, Parts, Quantity};
-use crate::image::{Image, Sampling};
+use crate::image::{Border, Image, Sampling};
 use crate::medium::Medium;
 use crate::phase::{Family, PhaseFunction};
 use crate::spread::Model;
@@ -60,6 +60,8 @@ pub enum ErrorSource {
     Sampling,
     /// What the filter errs beside edges, and what it does not know behind them.
     Composite,
+    /// What is taken for the light from outside the clear image.
+    Frame,
     /// The noise of traced paths.
     Paths,
     /// What faults that the residual shows have added.
@@ -74,6 +76,7 @@ impl ErrorSource {
             Self::Table => "table",
             Self::Sampling => "sampling",
             Self::Composite => "composite",
+            Self::Frame => "frame",
             Self::Paths => "paths",
             Self::Residual => "residual",
         }
@@ -83,7 +86,7 @@ impl ErrorSource {
     pub(in crate::fit) fn kind(self) -> ErrorKind {
         match self {
             Self::Model | Self::Residual => ErrorKind::Bias,
-            Self::Table | Self::Sampling | Self::Composite => ErrorKind::Bound,
+            Self::Table | Self::Sampling | Self::Composite | Self::Frame => ErrorKind::Bound,
             Self::Paths => ErrorKind::Chance,
         }
     }
@@ -130,6 +133,7 @@ impl ErrorImages {
     pub(super) fn all(fit: &Displacement, light: &[Image]) -> Result<Option<Vec<Self>>> {
         let sampling = between_pixels(fit, light)?;
         let hidden = beside_edges(fit, light)?;
+        let frame = beyond_the_frame(fit, light)?;
         let mut all = Vec::new();
         for phase in phases(fit.parameters) {
             let reference = match reference(fit, phase) {
@@ -145,6 +149,7 @@ impl ErrorImages {
                 (ErrorSource::Table, each(&shape_error)),
             ];
             sources.extend(hidden.iter().map(|images| (ErrorSource::Composite, images.clone())));
+            sources.extend(frame.iter().map(|images| (ErrorSource::Frame, images.clone())));
             sources.extend(sampling.clone().map(|images| (ErrorSource::Sampling, images)));
             all.push(Self(sources));
         }
@@ -187,8 +192,8 @@ fn beside_edges(fit: &Displacement, light: &[Image]) -> Result<Vec<Vec<Image>>> 
         return Ok(Vec::new());
     }
     let medium = fit.parameters.medium()?;
-    let share = |(o, hidden): (&Observation, &Option<Image>)| error_share(o, hidden.as_ref(), &medium);
-    let shares: Vec<Image> = fit.observations().zip(fit.hidden_shares).map(share).collect();
+    let share = |(o, unseen): (&Observation, &Unseen)| error_share(o, unseen.hidden.as_ref(), &medium);
+    let shares: Vec<Image> = fit.observations().zip(fit.unseen).map(share).collect();
     let varied = |factor: fn([f32; 2]) -> f32| {
         let image = |(light, share): (&Image, &Image)| {
             let place = |i: usize, n: usize| 2.0 * (i as f32 + 0.5) / n as f32 - 1.0;
@@ -215,6 +220,31 @@ fn error_share(observation: &Observation, hidden: Option<&Image>, medium: &Mediu
         let beside = EDGE_ERROR * scattered * (-distance / width_px).exp();
         hidden.map_or(0.0, |share| HIDDEN_ERROR * share.at(x, y)) + beside as f32
     })
+}
+
+/// What light from outside the clear images may differ by from what is taken for it: by the difference to the outermost pixels
+/// repeated, and, the same everywhere, by as much as the light varies over the view. None where all of it is known.
+fn beyond_the_frame(fit: &Displacement, light: &[Image]) -> Result<Vec<Vec<Image>>> {
+    if fit.unseen.iter().all(|unseen| unseen.outside.is_none()) {
+        return Ok(Vec::new());
+    }
+    let (mut otherwise, mut varied) = (Vec::new(), Vec::new());
+    for (scene, ((o, unseen), light)) in fit.observations().zip(fit.unseen).zip(light).enumerate() {
+        let Some(outside) = &unseen.outside else {
+            let nothing = Image::filled(light.width, light.height, 0.0);
+            otherwise.push(nothing.clone());
+            varied.push(nothing);
+            continue;
+        };
+        let target = Target { border: Border::Clamp, ..o.target };
+        let repeated = fit.engine.image(target, &fit.parameters.state(scene)?, scene, 1.0)?;
+        otherwise.push(apart(&repeated, light, 1.0));
+        let mean = light.mean();
+        let square = light.data.iter().map(|&v| (f64::from(v) - mean).powi(2)).sum::<f64>();
+        let spread = (square / light.data.len() as f64).sqrt() as f32;
+        varied.push(Image { data: outside.data.iter().map(|share| share * spread).collect(), ..*light });
+    }
+    Ok(vec![otherwise, varied])
 }
 
 /// Half of what another sampling of the clear image would change, where it is not known; `None` if it is.

@@ -3,7 +3,9 @@
 use super::covariance::Covariance;
 use crate::fit::observation::{LinearTerm, Observed, VeilTerm};
 use crate::fit::optimise::{Eliminated, NormalEquations};
+use crate::forward::Veil;
 use crate::image::Sampling;
+use crate::imaging::MONOMIALS;
 use nalgebra::DVector;
 
 /// Gain, veil, noise and misfit of one scene after a fit.
@@ -13,10 +15,12 @@ pub struct ExposureEstimate {
     pub gain: f64,
     /// Standard error of the gain; `None` if it was given or the data leave it undetermined.
     pub gain_error: Option<f64>,
-    /// Veil, the constant part.
-    pub veil: f64,
-    /// Standard error of the veil; `None` if it was given or the data leave it undetermined.
-    pub veil_error: Option<f64>,
+    /// Veil, by its monomials; of an image 0.
+    pub veil: Veil,
+    /// How many of them were fitted.
+    pub veil_terms: usize,
+    /// Standard error of each; `None` if it was given or the data leave it undetermined.
+    pub veil_errors: [Option<f64>; MONOMIALS],
     /// Standard deviation of a pixel's noise, given or estimated; of given variances the root of their harmonic mean.
     pub noise: f64,
     /// Sum of squared residuals over noise².
@@ -25,6 +29,8 @@ pub struct ExposureEstimate {
     pub pixels: usize,
     /// Pixels left out because of hidden light.
     pub hidden_pixels: usize,
+    /// Pixels left out because of light from outside the clear image.
+    pub outside_pixels: usize,
     /// What lies between the pixels of the clear image.
     pub sampling: Sampling,
     /// Whether that was stated or shows in the image.
@@ -72,14 +78,16 @@ fn estimate(scene: &Eliminated, observed: &Observed, covariance: &Covariance) ->
         gain,
         gain_error: error(LinearTerm::Gain),
         veil: match observed.observation.veil {
-            VeilTerm::Fixed(v) => v,
+            VeilTerm::Fixed(v) => Veil::constant(v),
             _ => linear.exposure.veil,
         },
-        veil_error: error(LinearTerm::Veil),
+        veil_terms: observed.observation.veil.free_terms(),
+        veil_errors: std::array::from_fn(|term| error(LinearTerm::Veil(term))),
         noise: observed.noise,
         chi2: scene.chi2,
         pixels: observed.count(),
         hidden_pixels: observed.hidden,
+        outside_pixels: observed.outside,
         sampling: observed.observation.target.sampling,
         sampling_is_known: observed.observation.sampling_is_known,
         gain_response: response(),

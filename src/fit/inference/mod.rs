@@ -62,6 +62,7 @@ pub(super) fn infer<'a>(task: &Task<'_, 'a>, mut optimum: Optimum<'a>) -> Result
         fitted: size.fitted,
         pixels: size.pixels,
         hidden_pixels: optimum.observed.iter().map(|o| o.hidden).sum(),
+        outside_pixels: optimum.observed.iter().map(|o| o.outside).sum(),
         median_z: task.lengths().median,
         pixel_pitch: first.geometry.median_pixel_pitch(),
         view_px: first.view.width.min(first.view.height),
@@ -77,7 +78,7 @@ pub(super) fn infer<'a>(task: &Task<'_, 'a>, mut optimum: Optimum<'a>) -> Result
         paths,
         free_gain: task.observations.iter().any(|o| o.gain == Gain::Free),
         renders: optimum.images,
-        hidden_shares: optimum.hidden_shares,
+        unseen: optimum.unseen,
         parameters: optimum.parameters,
         determined: Vec::new(),
     };
@@ -123,7 +124,7 @@ impl Errors {
         let gauss_newton_step = covariance.step(&equations.gradient);
         let mut at_optimum = Displacement {
             exposures: Displacement::exposures(equations),
-            hidden_shares: &optimum.hidden_shares,
+            unseen: &optimum.unseen,
             observed: &optimum.observed,
             models: &mut optimum.models,
             parameters,

@@ -2,7 +2,7 @@
 //!
 //! Eliminating them at every step is variable projection (Golub and Pereyra 1973).
 
-use super::{Observation, VeilTerm};
+use super::Observation;
 use crate::forward::{Exposure, Products};
 use crate::scene::Gain;
 use nalgebra::{DMatrix, DVector};
@@ -10,8 +10,8 @@ use nalgebra::{DMatrix, DVector};
 /// A number that enters the image linearly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum LinearTerm {
-    /// Constant light.
-    Veil,
+    /// Light with this [monomial](crate::imaging::monomials) of the place.
+    Veil(usize),
     /// Factor on the object's light.
     Gain,
 }
@@ -23,22 +23,22 @@ const FLAT: f64 = 1e-10;
 impl LinearTerm {
     /// Those of `observation` that are free, the veil first: what is left of the render beside it must not be flat.
     pub(crate) fn free(observation: &Observation) -> Vec<Self> {
-        let veil = matches!(observation.veil, VeilTerm::Free).then_some(Self::Veil);
+        let veil = (0..observation.veil.free_terms()).map(Self::Veil);
         let gain = (observation.gain == Gain::Free).then_some(Self::Gain);
-        veil.into_iter().chain(gain).collect()
+        veil.chain(gain).collect()
     }
 
     /// The image that it multiplies, as a combination of the columns of `products`.
     pub(crate) fn column(self, products: &Products) -> DVector<f64> {
         match self {
-            Self::Veil => products.one(),
+            Self::Veil(term) => products.veil(term),
             Self::Gain => products.render(),
         }
     }
 
     fn of(self, exposure: &mut Exposure) -> &mut f64 {
         match self {
-            Self::Veil => &mut exposure.veil,
+            Self::Veil(term) => &mut exposure.veil.0[term],
             Self::Gain => &mut exposure.gain,
         }
     }

@@ -6,13 +6,14 @@ mod registration;
 pub mod white_noise;
 
 pub(super) use exposure::{Linear, LinearTerm};
-pub(super) use observed::{Levels, Observed};
-pub(super) use registration::Aligned;
+pub(super) use observed::{Levels, Observed, Unseen};
+pub(super) use registration::{Aligned, Alignment};
 
 use crate::filter::Target;
 use crate::forward::Exposure;
 use crate::image::Image;
-use crate::scene::{Gain, HIDDEN_SHARE_MAX, Registration};
+use crate::imaging::{Blur, GainField, Imaging, Places, Registration, VeilField};
+use crate::scene::{Gain, HIDDEN_SHARE_MAX};
 
 /// The veil of one channel, in units of the observation.
 #[derive(Debug, Clone, Copy)]
@@ -22,8 +23,15 @@ pub enum VeilTerm<'a> {
     Fixed(f64),
     /// A known image, of the view's size.
     Image(&'a Image),
-    /// One constant, fitted.
-    Free,
+    /// Fitted.
+    Free(VeilField),
+}
+
+impl VeilTerm<'_> {
+    /// How many numbers of it are fitted.
+    pub(super) fn free_terms(&self) -> usize {
+        if let Self::Free(field) = self { field.terms() } else { 0 }
+    }
 }
 
 /// The noise of one channel.
@@ -57,8 +65,12 @@ pub struct Observation<'a> {
     pub depth_error: f64,
     /// Veil.
     pub veil: VeilTerm<'a>,
-    /// Whether the observed image lies on the clear one, or is to be registered.
+    /// How the observed image is registered on the clear one.
     pub registration: Registration,
+    /// Its blur beyond that of the clear image.
+    pub blur: Blur,
+    /// How its gain varies.
+    pub gain_field: GainField,
     /// Whether the object's sampling is known; if not, that is part of the model's error.
     pub sampling_is_known: bool,
 }
@@ -77,8 +89,20 @@ impl<'a> Observation<'a> {
             depth_error: 0.0,
             veil: VeilTerm::Fixed(0.0),
             registration: Registration::None,
+            blur: Blur::default(),
+            gain_field: GainField::None,
             sampling_is_known: true,
         }
+    }
+
+    /// What its camera does to the light beside a shift, as far as it is not fitted; `None` if nothing.
+    pub(super) fn imaging(&self) -> Option<Imaging> {
+        Imaging::new(self.registration, self.blur, self.gain_field)
+    }
+
+    /// Places in the view.
+    pub(super) fn places(&self) -> Places {
+        Places { width: self.observed.width, height: self.observed.height }
     }
 
     /// Whether the pixel `index` of the view is not masked.
@@ -89,9 +113,13 @@ impl<'a> Observation<'a> {
     /// The image as observed: gain · `image` + veil.
     pub(super) fn exposed(&self, mut image: Image, exposure: Exposure) -> Image {
         let gain = exposure.gain as f32;
-        let constant = if let VeilTerm::Fixed(veil) = self.veil { veil } else { exposure.veil } as f32;
+        let places = self.places();
         for (i, v) in image.data.iter_mut().enumerate() {
-            let veil = if let VeilTerm::Image(veil) = self.veil { veil.data[i] } else { constant };
+            let veil = match self.veil {
+                VeilTerm::Fixed(veil) => veil as f32,
+                VeilTerm::Image(veil) => veil.data[i],
+                VeilTerm::Free(_) => exposure.veil.at(places, i) as f32,
+            };
             *v = gain * *v + veil;
         }
         image
@@ -99,6 +127,6 @@ impl<'a> Observation<'a> {
 
     /// How many of gain and veil are free.
     pub(super) fn free_exposure(&self) -> usize {
-        usize::from(self.gain == Gain::Free) + usize::from(matches!(self.veil, VeilTerm::Free))
+        usize::from(self.gain == Gain::Free) + self.veil.free_terms()
     }
 }

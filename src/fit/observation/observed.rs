@@ -3,7 +3,7 @@
 use super::exposure::Linear;
 use super::{NoiseTerm, Observation, VeilTerm};
 use crate::error::{Error, Result, in_range};
-use crate::forward::{Exposure, Pixel, Pixels, Products};
+use crate::forward::{Exposure, Pixel, Pixels, Products, Veil};
 use crate::image::Image;
 use crate::scene::Gain;
 
@@ -13,6 +13,28 @@ const RENDER_ERROR: f64 = 1e-5;
 const HIDDEN_SETTLED: f64 = 0.002;
 /// With fewer pixels whose neighbours all count, the noise is taken from the residuals themselves.
 const FEWEST_LAPLACIANS: i32 = 100;
+
+/// Noises by which light from outside the clear image may change a pixel that counts.
+const SHOWN: f64 = 0.5;
+/// Bounds of the share of such light.
+const OUTSIDE_SHARES: [f64; 2] = [0.002, 0.1];
+
+/// Why a pixel that is not masked counts, or does not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Sight {
+    Clear,
+    Hidden,
+    Outside,
+}
+
+/// Shares of each pixel's light that no image shows; `None` where there is none.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Unseen {
+    /// Hidden behind near surfaces.
+    pub hidden: Option<Image>,
+    /// From outside the clear image.
+    pub outside: Option<Image>,
+}
 
 /// An observation with its pixels gathered.
 #[derive(Clone)]
@@ -24,6 +46,8 @@ pub(crate) struct Observed<'a> {
     pixels: Pixels,
     /// Pixels that do not because of hidden light.
     pub hidden: usize,
+    /// Pixels that do not because of light from outside the clear image.
+    pub outside: usize,
     /// Standard deviation of a pixel of weight 1; where variances are given, the root of their harmonic mean.
     pub noise: f64,
 }
@@ -31,18 +55,24 @@ pub(crate) struct Observed<'a> {
 impl<'a> Observed<'a> {
     pub(crate) fn new(observation: &Observation<'a>) -> Result<Self> {
         let gain = if let Gain::Fixed(gain) = observation.gain { gain } else { 1.0 };
-        let reference = Exposure { gain, veil: 0.0 };
+        let reference = Exposure { gain, veil: Veil::default() };
         let mut observed = Self {
             observation: *observation,
             counts: Vec::new(),
-            pixels: Pixels { counted: Vec::new(), total: observation.observed.data.len(), reference },
+            pixels: Pixels {
+                counted: Vec::new(),
+                places: observation.places(),
+                reference,
+                veil_terms: observation.veil.free_terms().max(1),
+            },
             hidden: 0,
+            outside: 0,
             noise: match observation.noise {
                 Some(NoiseTerm::Level(noise)) => noise,
                 _ => 1.0,
             },
         };
-        observed.gather(|_| true);
+        observed.gather(|_| Sight::Clear);
         if observed.count() == 0 {
             return Err(Error::NothingToFit("the mask leaves no pixel".into()));
         }
@@ -50,18 +80,18 @@ impl<'a> Observed<'a> {
             check_variances(variance, &observed.pixels)?;
             let sum: f64 = observed.counted().iter().map(|p| f64::from(p.weight)).sum();
             observed.noise = (observed.count() as f64 / sum).sqrt();
-            observed.gather(|_| true);
+            observed.gather(|_| Sight::Clear);
         }
         Ok(observed)
     }
 
-    /// Gathers the pixels that the mask lets count, if they are `shown`.
-    fn gather(&mut self, shown: impl Fn(usize) -> bool) {
+    /// Gathers the pixels that the mask lets count, where `sight` is clear.
+    fn gather(&mut self, sight: impl Fn(usize) -> Sight) {
         let observation = self.observation;
         let veil = |i: usize| match observation.veil {
             VeilTerm::Fixed(v) => v as f32,
             VeilTerm::Image(image) => image.data[i],
-            VeilTerm::Free => 0.0,
+            VeilTerm::Free(_) => 0.0,
         };
         let unit = self.noise * self.noise;
         let weight = |i: usize| match observation.noise {
@@ -70,34 +100,61 @@ impl<'a> Observed<'a> {
         };
         let all = &observation.observed.data;
         let unmasked = |i: &usize| observation.is_unmasked(*i);
-        self.counts = (0..all.len()).map(|i| unmasked(&i) && shown(i)).collect();
-        self.hidden = (0..all.len()).filter(unmasked).filter(|&i| !shown(i)).count();
+        self.counts = (0..all.len()).map(|i| unmasked(&i) && sight(i) == Sight::Clear).collect();
+        let left_out = |why: Sight| (0..all.len()).filter(unmasked).filter(|&i| sight(i) == why).count();
+        (self.hidden, self.outside) = (left_out(Sight::Hidden), left_out(Sight::Outside));
         let pixel = |i: usize| Pixel { index: i as u32, value: all[i] - veil(i), weight: weight(i) };
         self.pixels.counted = (0..all.len()).filter(|&i| self.counts[i]).map(pixel).collect();
     }
 
-    /// Leaves out the pixels of which more than the observation's share of light may be hidden; returns whether that
-    /// differs from what was left out before by enough to matter.
+    /// Leaves out the pixels that see too much that no image shows; returns whether that differs from what was left out before by
+    /// enough to matter.
     ///
     /// # Errors
     /// [`Error::NothingToFit`] if no pixel is left.
-    pub(crate) fn leave_out_hidden(&mut self, share: &Image) -> Result<bool> {
-        let most = self.observation.hidden_share_max;
-        let shown = |i: usize| f64::from(share.data[i]) <= most;
-        let changed = (0..share.data.len())
-            .filter(|&i| self.observation.is_unmasked(i) && shown(i) != self.counts[i])
+    pub(crate) fn leave_out(&mut self, unseen: &Unseen) -> Result<bool> {
+        let (most, most_outside) = (self.observation.hidden_share_max, self.visible_share());
+        let above = |share: &Option<Image>, most: f64, i: usize| {
+            share.as_ref().is_some_and(|share| f64::from(share.data[i]) > most)
+        };
+        let sight = |i: usize| match () {
+            () if above(&unseen.hidden, most, i) => Sight::Hidden,
+            () if above(&unseen.outside, most_outside, i) => Sight::Outside,
+            () => Sight::Clear,
+        };
+        let changed = (0..self.counts.len())
+            .filter(|&i| self.observation.is_unmasked(i) && (sight(i) == Sight::Clear) != self.counts[i])
             .count();
         if changed as f64 <= HIDDEN_SETTLED * self.count() as f64 {
             return Ok(false);
         }
-        self.gather(shown);
+        self.gather(sight);
         if self.count() == 0 {
-            return Err(Error::NothingToFit(format!(
-                "more than {most} of the light of every pixel may be hidden behind near surfaces; give what lies \
-                 there as a further layer of the object, or raise hidden_share_max"
-            )));
+            let why = if self.hidden >= self.outside {
+                format!(
+                    "more than {most} of the light of every pixel may be hidden behind near surfaces; give what lies there as a \
+                     further layer of the object, or raise hidden_share_max"
+                )
+            } else {
+                "every pixel sees light from outside the clear image; take one that is larger than the view"
+                    .into()
+            };
+            return Err(Error::NothingToFit(why));
         }
         Ok(true)
+    }
+
+    /// The share of a pixel's light that may come from outside the clear image before the noise shows it: what is there differs from
+    /// what is taken for it by as much as the clear image varies.
+    fn visible_share(&self) -> f64 {
+        let clear = self.observation.target.radiance;
+        let mean = clear.mean();
+        let variance =
+            clear.data.iter().map(|&v| (f64::from(v) - mean).powi(2)).sum::<f64>() / clear.data.len() as f64;
+        let level = self.counted().iter().map(|p| f64::from(p.value)).sum::<f64>() / self.count() as f64;
+        let visible = SHOWN * self.noise * mean / (level.abs() * variance.sqrt());
+        let [least, most] = OUTSIDE_SHARES;
+        if visible.is_finite() { visible.clamp(least, most) } else { most }
     }
 
     /// The same pixels and noise with another image in place of the observation.
@@ -107,7 +164,8 @@ impl<'a> Observed<'a> {
     {
         let mut other: Observed<'b> = self.clone();
         other.observation.observed = image;
-        other.gather(|i| self.counts[i]);
+        other.gather(|i| if self.counts[i] { Sight::Clear } else { Sight::Hidden });
+        (other.hidden, other.outside) = (self.hidden, self.outside);
         other
     }
 
@@ -173,8 +231,8 @@ impl<'a> Observed<'a> {
     /// The products of m with m, of m with y and of y with y over noise², of the render m and the observation y; a free veil
     /// is taken off both.
     pub(crate) fn levels(&self, products: &Products) -> Levels {
-        let (render, one, y) = (products.render(), products.one(), products.observation());
-        let free_veil = matches!(self.observation.veil, VeilTerm::Free);
+        let (render, one, y) = (products.render(), products.veil(0), products.observation());
+        let free_veil = matches!(self.observation.veil, VeilTerm::Free(_));
         let n = if free_veil { products.of(&one, &one) } else { f64::INFINITY };
         let w = self.precision();
         let spread = |a, b| (products.of(a, b) - products.of(a, &one) * products.of(b, &one) / n) * w;

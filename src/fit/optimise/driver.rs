@@ -11,7 +11,7 @@ use super::solver::{self, Outcome};
 use super::task::Task;
 use crate::error::Result;
 use crate::filter::Coverage;
-use crate::fit::observation::Observed;
+use crate::fit::observation::{Observed, Unseen};
 use crate::fit::parameters::Parameters;
 use crate::image::Image;
 
@@ -44,7 +44,7 @@ pub(crate) struct Optimum<'a> {
     pub equations: NormalEquations,
     /// Each scene's best fit, gain · object light + veil.
     pub images: Vec<Image>,
-    pub hidden_shares: Vec<Option<Image>>,
+    pub unseen: Vec<Unseen>,
     pub converged: bool,
     pub stop: String,
     /// Whether noise, plans and the pixels left out have settled.
@@ -60,7 +60,7 @@ pub(crate) struct Optimum<'a> {
 /// What a round has changed.
 struct Settlement {
     images: Vec<Image>,
-    hidden_shares: Vec<Option<Image>>,
+    unseen: Vec<Unseen>,
     coverage: Coverage,
     settled: bool,
 }
@@ -149,7 +149,7 @@ impl<'x, 'a> Driver<'x, 'a> {
     /// Takes the medium from the Gram matrices, if there are any. What they see is registered as it was at first, so a fit
     /// that registers listens to them once.
     fn consult_gram(&mut self) -> Result<()> {
-        let Some(gram) = self.gram.filter(|_| self.round == 1 || !self.task.registers()) else {
+        let Some(gram) = self.gram.filter(|_| self.round == 1 || !self.task.has_nuisances()) else {
             return Ok(());
         };
         let medium = self.parameters.medium_alone();
@@ -178,13 +178,13 @@ impl<'x, 'a> Driver<'x, 'a> {
     fn settle(&mut self, equations: &NormalEquations) -> Result<Settlement> {
         let images = self.exposed(equations, self.models.images(&self.parameters)?);
         let change = self.estimate_noise(equations, &images)?;
-        let hidden_shares = self.task.hidden_shares(&self.parameters)?;
-        let uncovered = self.leave_out_hidden(&hidden_shares)?;
+        let unseen = self.task.unseen(&self.parameters)?;
+        let uncovered = self.leave_out(&unseen)?;
         let coverage = self.models.coverage(&self.parameters)?;
         // Only the ratio of the scenes' weights moves the optimum, so one scene is settled whatever its noise.
         let weighed = self.observed.len() == 1 || change < NOISE_SETTLED;
         let settled = !uncovered && weighed && coverage.served && self.phase == Phase::Fitting;
-        Ok(Settlement { images, hidden_shares, coverage, settled })
+        Ok(Settlement { images, unseen, coverage, settled })
     }
 
     /// `images` of all scenes as they were observed.
@@ -216,16 +216,14 @@ impl<'x, 'a> Driver<'x, 'a> {
         Ok(change)
     }
 
-    /// Leaves out what may be hidden too much; returns whether that has changed.
-    fn leave_out_hidden(&mut self, shares: &[Option<Image>]) -> Result<bool> {
+    /// Leaves out what sees too much that no image shows; returns whether that has changed.
+    fn leave_out(&mut self, unseen: &[Unseen]) -> Result<bool> {
         let mut changed = false;
         if self.round == self.most_rounds() {
             return Ok(changed);
         }
-        for (scene, share) in shares.iter().enumerate() {
-            if let Some(share) = share
-                && self.observed[scene].leave_out_hidden(share)?
-            {
+        for (scene, unseen) in unseen.iter().enumerate() {
+            if self.observed[scene].leave_out(unseen)? {
                 self.models.observe(scene, &self.observed[scene])?;
                 changed = true;
             }
@@ -240,7 +238,7 @@ impl<'x, 'a> Driver<'x, 'a> {
         } else {
             outcome.equations
         };
-        let Settlement { images, hidden_shares, coverage, settled } = settlement;
+        let Settlement { images, unseen, coverage, settled } = settlement;
         Ok(Optimum {
             start: self.start,
             parameters: self.parameters,
@@ -248,7 +246,7 @@ impl<'x, 'a> Driver<'x, 'a> {
             models: self.models,
             equations,
             images,
-            hidden_shares,
+            unseen,
             converged: outcome.converged,
             stop: outcome.stop,
             settled,

@@ -77,11 +77,11 @@ fn level_ratio(observation: &Observation) -> f64 {
     let known_veil = match observation.veil {
         VeilTerm::Fixed(v) => v,
         VeilTerm::Image(image) => image.mean(),
-        VeilTerm::Free => 0.0,
+        VeilTerm::Free(_) => 0.0,
     };
     let mean =
         |f: fn(&(f64, f64)) -> f64, of: &[(f64, f64)]| of.iter().map(f).sum::<f64>() / of.len().max(1) as f64;
-    if !matches!(observation.veil, VeilTerm::Free) {
+    if !matches!(observation.veil, VeilTerm::Free(_)) {
         let object = mean(|p| p.0, &pairs);
         return if object > 0.0 { (mean(|p| p.1, &pairs) - known_veil) / object } else { 1.0 };
     }

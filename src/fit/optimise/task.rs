@@ -2,10 +2,9 @@
 
 use crate::error::Result;
 use crate::fit::Settings;
-use crate::fit::observation::{Observation, Observed};
+use crate::fit::observation::{Alignment, Observation, Observed, Unseen};
 use crate::fit::parameters::Parameters;
 use crate::geometry::{PathLengths, path_lengths};
-use crate::image::Image;
 use crate::scene::FitOptions;
 
 /// A fit of one channel.
@@ -15,8 +14,8 @@ pub(crate) struct Task<'x, 'a> {
     pub observations: &'x [Observation<'a>],
     /// The same, registered at first sight.
     pub registered: &'x [Observed<'x>],
-    /// The shift of each observation at first sight, px; `None` where it is not to be registered.
-    pub shifts_px: &'x [Option<[f64; 2]>],
+    /// Where each observation lies at first sight; `None` where it is not to be registered.
+    pub places: &'x [Option<Alignment>],
     /// What the user asks for.
     pub options: &'x FitOptions,
     /// What to fit with.
@@ -33,9 +32,10 @@ impl<'x> Task<'x, '_> {
         path_lengths(&scenes)
     }
 
-    /// Whether some observation is registered by the fit.
-    pub(crate) fn registers(&self) -> bool {
-        self.shifts_px.iter().any(Option::is_some)
+    /// Whether a fit has parameters of scenes beside those of the medium.
+    pub(crate) fn has_nuisances(&self) -> bool {
+        let has = |(o, place): (&Observation, &Option<Alignment>)| place.is_some() || o.imaging().is_some();
+        self.observations.iter().zip(self.places).any(has)
     }
 
     /// Whether the noise of some scene is to be estimated.
@@ -48,10 +48,9 @@ impl<'x> Task<'x, '_> {
     /// # Errors
     /// As [`Parameters::new`].
     pub(crate) fn with_nuisances(&self, mut medium: Parameters) -> Parameters {
-        for (scene, shift_px) in self.shifts_px.iter().enumerate() {
-            if let Some(start_px) = shift_px {
-                medium.add_shift(scene, self.shifts_px.len(), *start_px);
-            }
+        for (scene, (observation, place)) in self.observations.iter().zip(self.places).enumerate() {
+            let begun = Alignment::begun(*place, observation.imaging());
+            medium.add_scene(scene, self.places.len(), place.map(|p| p.shift_px), begun);
         }
         medium
     }
@@ -66,9 +65,14 @@ impl<'x> Task<'x, '_> {
         self.registered.iter().zip(observed).map(weighted).collect()
     }
 
-    /// Each scene's share of hidden light.
-    pub(crate) fn hidden_shares(&self, parameters: &Parameters) -> Result<Vec<Option<Image>>> {
-        let (engine, medium) = (self.settings.engine(), parameters.medium()?);
-        self.observations.iter().map(|o| engine.hidden_share(o.target, medium)).collect()
+    /// Each scene's shares of light that no image shows.
+    pub(crate) fn unseen(&self, parameters: &Parameters) -> Result<Vec<Unseen>> {
+        let engine = self.settings.engine();
+        let of = |(scene, o): (usize, &Observation)| {
+            let state = parameters.state(scene)?;
+            let hidden = engine.hidden_share(o.target, &state)?;
+            Ok(Unseen { hidden, outside: engine.outside_share(o.target, &state)? })
+        };
+        self.observations.iter().enumerate().map(of).collect()
     }
 }

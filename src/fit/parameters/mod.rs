@@ -15,6 +15,7 @@ pub use parameter::{Bounds, Descriptor, Parameter, Role};
 use crate::error::{Error, Result};
 use crate::forward::{Quantity, State};
 use crate::geometry::PathLengths;
+use crate::imaging::Imaging;
 use crate::medium::Medium;
 use crate::phase::Family;
 use crate::scene::FitOptions;
@@ -38,6 +39,8 @@ impl Id {
 pub struct Parameters {
     family: Family,
     all: Vec<Parameter>,
+    /// What the camera of each scene does, as far as it is not fitted; none where it does nothing.
+    cameras: Vec<Option<Imaging>>,
 }
 
 impl Parameters {
@@ -51,12 +54,25 @@ impl Parameters {
         if !all.iter().any(Parameter::is_free) {
             return Err(Error::NothingToFit("every parameter is fixed".into()));
         }
-        Ok(Self { family: options.family, all })
+        Ok(Self { family: options.family, all, cameras: Vec::new() })
     }
 
-    /// Adds the shift of the observation of scene number `scene` of `scenes`, first seen at `start_px`.
-    pub(super) fn add_shift(&mut self, scene: usize, scenes: usize, start_px: [f64; 2]) {
-        self.all.extend(nuisance::shift(scene, scenes, start_px));
+    /// Adds what is fitted of the observation of scene number `scene` of `scenes`: its shift, if it is registered, from where it is
+    /// first seen, and what is looked for of its camera.
+    pub(super) fn add_scene(
+        &mut self,
+        scene: usize,
+        scenes: usize,
+        shift_px: Option<[f64; 2]>,
+        imaging: Option<Imaging>,
+    ) {
+        let scene = nuisance::Scene { number: scene, of: scenes };
+        self.all.extend(shift_px.into_iter().flat_map(|start_px| scene.shift(start_px)));
+        self.all.extend(imaging.iter().flat_map(|imaging| scene.imaging(imaging)));
+        if let Some(imaging) = imaging {
+            self.cameras.resize(scene.of, None);
+            self.cameras[scene.number] = Some(imaging);
+        }
     }
 
     /// The family of the phase function.
@@ -136,7 +152,12 @@ impl Parameters {
             self.of_scene(scene).find(|(_, p)| p.descriptor().quantity == quantity).map(|(_, p)| p.value())
         };
         let shift_px = along(Quantity::ShiftX).zip(along(Quantity::ShiftY)).map(|(x, y)| [x, y]);
-        Ok(State { medium: self.medium()?, shift_px })
+        let mut imaging = self.cameras.get(scene).copied().flatten();
+        if let Some(imaging) = &mut imaging {
+            self.of_scene(scene)
+                .for_each(|(_, p)| p.descriptor().quantity.set_in_imaging(imaging, p.value()));
+        }
+        Ok(State { medium: self.medium()?, shift_px, imaging })
     }
 
     /// The parameter that moves `quantity` in scene number `scene`: the scene's own, or the medium's.
@@ -181,6 +202,7 @@ impl Parameters {
 
     /// Takes the coordinates of `other`, and its parameters of scenes.
     pub(super) fn take_all(&mut self, other: &Self) {
+        self.cameras.clone_from(&other.cameras);
         for (id, parameter) in other.iter() {
             match self.find(parameter.name()) {
                 Some(mine) => {
@@ -194,7 +216,11 @@ impl Parameters {
 
     /// The parameters of the medium without those of scenes.
     pub(super) fn medium_alone(&self) -> Self {
-        Self { family: self.family, all: self.of_medium().map(|(_, p)| p.clone()).collect() }
+        Self {
+            family: self.family,
+            all: self.of_medium().map(|(_, p)| p.clone()).collect(),
+            cameras: Vec::new(),
+        }
     }
 
     /// These parameters at other coordinates.

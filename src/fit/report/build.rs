@@ -41,6 +41,7 @@ impl Fit {
             determined: Vec::new(),
             advice: Vec::new(),
             candidates: Vec::new(),
+            camera: Vec::new(),
             diagnosis: Vec::new(),
             warnings: Vec::new(),
         };

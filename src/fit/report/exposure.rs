@@ -1,8 +1,7 @@
 //! How each scene was exposed, and where its observation lay.
 
+use super::imaging::{BlurReport, FieldReport, RegistrationReport};
 use crate::fit::inference::{ChannelFit, ExposureEstimate};
-use crate::fit::parameters::{Id, Parameter};
-use crate::forward::Quantity;
 use serde::{Deserialize, Serialize};
 
 /// Gain, veil, noise and misfit of one channel of one scene.
@@ -30,9 +29,21 @@ pub struct ExposureReport {
     pub sampling: String,
     /// Whether that was stated or shows in the image; if not, half of what the other would change is part of the model's error.
     pub sampling_is_known: bool,
+    /// Pixels left out because of light from outside the clear image.
+    #[serde(default)]
+    pub outside_pixels: usize,
     /// Where the observation lay, if it was registered by the fit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub registration: Option<RegistrationReport>,
+    /// Its blur beyond that of the clear image, if there was one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub blur_px: Option<BlurReport>,
+    /// How its gain varied, if it did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gain_field: Option<FieldReport>,
+    /// How its veil varied, if it was free to.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub veil_field: Option<FieldReport>,
 }
 
 /// A number that enters the image linearly.
@@ -45,52 +56,17 @@ pub struct Term {
     pub std_error: Option<f64>,
 }
 
-/// Where an observation lay on the clear image.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-#[non_exhaustive]
-pub struct RegistrationReport {
-    /// How far it is shifted to the right and downwards, px.
-    pub shift_px: [f64; 2],
-    /// Standard errors of these.
-    pub std_errors: RegistrationErrors,
-}
-
-/// Standard errors of a registration.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-#[non_exhaustive]
-pub struct RegistrationErrors {
-    /// Of the shift, px; null where the data leave it undetermined.
-    pub shift_px: [Option<f64>; 2],
-}
-
-impl RegistrationReport {
-    /// Whether the data determine it.
-    pub fn is_determined(&self) -> bool {
-        self.std_errors.shift_px.iter().all(Option::is_some)
-    }
-
-    /// That of scene number `scene` in `fit`; `None` if it was not registered.
-    fn new(scene: usize, fit: &ChannelFit) -> Option<Self> {
-        let along = |quantity: Quantity| -> Option<(Id, &Parameter)> {
-            fit.parameters.of_scene(scene).find(|(_, p)| p.descriptor().quantity == quantity)
-        };
-        let (x, y) = along(Quantity::ShiftX).zip(along(Quantity::ShiftY))?;
-        Some(Self {
-            shift_px: [x, y].map(|(_, parameter)| parameter.value()),
-            std_errors: RegistrationErrors { shift_px: [x, y].map(|(id, _)| fit.covariance.std_error(id)) },
-        })
-    }
-}
-
 impl ExposureReport {
     pub(super) fn new(scene: usize, channel: &str, exposure: &ExposureEstimate, fit: &ChannelFit) -> Self {
         Self {
             scene,
             channel: channel.into(),
             gain: Term { value: exposure.gain, std_error: exposure.gain_error },
-            veil: Term { value: exposure.veil, std_error: exposure.veil_error },
+            veil: Term { value: exposure.veil.0[0], std_error: exposure.veil_errors[0] },
+            veil_field: FieldReport::of_veil(exposure),
+            gain_field: FieldReport::of_gain(scene, fit),
+            blur_px: BlurReport::new(scene, fit),
+            outside_pixels: exposure.outside_pixels,
             noise: exposure.noise,
             sampling: exposure.sampling.name().into(),
             sampling_is_known: exposure.sampling_is_known,

@@ -3,12 +3,14 @@
 //! A [`Fit`] holds plain values only. JSON is made of it at the edge, and read back as a [`Fit`].
 
 mod build;
+mod camera;
 mod candidate;
 mod derived;
 mod diagnosis;
 mod estimate;
 mod exposure;
 mod identified;
+mod imaging;
 mod number;
 mod regime;
 mod summary;
@@ -16,12 +18,14 @@ mod text;
 mod warning;
 mod warnings;
 
+pub use camera::CameraStep;
 pub use candidate::Candidate;
 pub use derived::Derived;
 pub use diagnosis::DiagnosisReport;
 pub use estimate::{Estimate, Ways};
-pub use exposure::{ExposureReport, RegistrationErrors, RegistrationReport, Term};
+pub use exposure::{ExposureReport, Term};
 pub use identified::{AdviceReport, Determined};
+pub use imaging::{BlurReport, FieldReport, RegistrationErrors, RegistrationReport};
 pub use regime::Regime;
 pub use summary::{Summary, TracedSummary};
 pub use warning::{Severity, Warning, WarningCode};
@@ -69,6 +73,9 @@ pub struct Fit {
     /// The models that were tried, cheapest first; empty if one was asked for.
     #[serde(rename = "ladder", default, skip_serializing_if = "Vec::is_empty")]
     pub candidates: Vec<Candidate>,
+    /// What the scenes left open of their cameras and the images asked for, in the order in which it was freed.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub camera: Vec<CameraStep>,
     /// What the residual says of the scenes, the largest drop of chi² first.
     pub diagnosis: Vec<DiagnosisReport>,
     /// What the user should know.

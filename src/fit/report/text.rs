@@ -1,7 +1,10 @@
 //! A fit as text for people: a table, and remarks below it.
 
 use super::number::significant;
-use super::{AdviceReport, Derived, Determined, DiagnosisReport, Estimate, Fit};
+use super::{
+    AdviceReport, Derived, Determined, DiagnosisReport, Estimate, ExposureReport, FieldReport, Fit,
+    RegistrationReport, Term,
+};
 use crate::fit::inference::Status;
 use crate::phase::Family;
 
@@ -53,7 +56,7 @@ impl Fit {
         if !known.is_empty() {
             lines.push(format!("correlations: {}", known.join(";  ")));
         }
-        lines.extend(self.registrations());
+        lines.extend(self.cameras());
         lines.extend(self.diagnosis.iter().map(DiagnosisReport::line));
         lines.extend(self.determined.iter().map(determined));
         lines.extend(self.advice.iter().map(|AdviceReport { message, .. }| format!("advice: {message}")));
@@ -79,24 +82,50 @@ impl Fit {
         )
     }
 
-    /// How far each observation that was registered is shifted.
-    fn registrations(&self) -> Vec<String> {
-        let line = |e: &super::ExposureReport| {
-            let registration = e.registration.as_ref()?;
-            let errors = registration.std_errors.shift_px.map(|error| match error {
-                Some(error) => format!("± {error:.4}"),
-                None => "undetermined".into(),
-            });
-            let [x, y] = registration.shift_px;
-            Some(format!(
-                "scene {}, channel {}: shifted by {x:.4} {} px to the right, {y:.4} {} px down",
-                e.scene + 1,
-                e.channel,
-                errors[0],
-                errors[1]
-            ))
+    /// What was fitted of the camera of each observation.
+    fn cameras(&self) -> Vec<String> {
+        let line = |e: &ExposureReport| {
+            let parts: Vec<String> = [
+                e.registration.as_ref().map(registration),
+                e.blur_px
+                    .as_ref()
+                    .map(|blur| format!("blurred by {} px", with_error(blur.value, blur.std_error))),
+                e.gain_field.as_ref().map(|field| format!("gain field {}", terms(field))),
+                e.veil_field.as_ref().map(|field| format!("veil field {}", terms(field))),
+            ]
+            .into_iter()
+            .flatten()
+            .collect();
+            let place = format!("scene {}, channel {}", e.scene + 1, e.channel);
+            (!parts.is_empty()).then(|| format!("{place}: {}", parts.join("; ")))
         };
         self.exposures.iter().filter_map(line).collect()
+    }
+}
+
+fn registration(found: &RegistrationReport) -> String {
+    let ([x, y], errors) = (found.shift_px, &found.std_errors);
+    let [x, y] = [with_error(x, errors.shift_px[0]), with_error(y, errors.shift_px[1])];
+    let shifted = format!("shifted by {x} px to the right, {y} px down");
+    match (found.rotation_deg, found.scale) {
+        (Some(angle), Some(scale)) => format!(
+            "{shifted}, turned by {} degrees, {} times as large",
+            with_error(angle, errors.rotation_deg),
+            with_error(scale, errors.scale)
+        ),
+        _ => shifted,
+    }
+}
+
+fn terms(field: &FieldReport) -> String {
+    let term = |(name, term): (&String, &Term)| format!("{name}: {}", with_error(term.value, term.std_error));
+    field.terms.iter().map(term).collect::<Vec<_>>().join(", ")
+}
+
+fn with_error(value: f64, error: Option<f64>) -> String {
+    match error {
+        Some(error) => format!("{value:.4} ± {error:.4}"),
+        None => format!("{value:.4} undetermined"),
     }
 }
 

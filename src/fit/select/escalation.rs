@@ -12,7 +12,7 @@ use crate::fit::report::Candidate;
 use crate::fit::scenes::{SceneFit, fit_scenes, observations, reliefs};
 use crate::forward::State;
 use crate::image::Sampling;
-use crate::scene::{ObservedScene, Registration};
+use crate::scene::ObservedScene;
 use crate::spread::Model;
 
 /// Time of a fit over that of tracing its paths once: it seeks the medium with fewer, and evaluates them some ten times.
@@ -22,9 +22,7 @@ const BETTER: f64 = 0.98;
 
 /// Whether the filter's error decides the `fit` of `scenes`, to within the relative error `tolerance`, and paths would not have it.
 pub fn filter_is_weak(fit: &SceneFit, scenes: &[ObservedScene], tolerance: f64) -> bool {
-    let traceable = |s: &ObservedScene| {
-        s.observation.registration == Registration::None && s.scene.sampling == Sampling::Pixel
-    };
+    let traceable = |s: &ObservedScene| !s.observation.frees_camera() && s.scene.sampling == Sampling::Pixel;
     let all_known = !fit.hides() && scenes.iter().all(traceable);
     all_known && fit.channels.iter().any(|(_, channel)| decides(channel, tolerance))
 }

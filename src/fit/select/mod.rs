@@ -5,11 +5,13 @@
 //! the noise of a pixel. If the residual alone speaks against it, BIC decides between it and the next: a misfit that the
 //! next model does not mend is none of the model's.
 
+mod camera;
 mod candidate;
 mod escalation;
 mod judgement;
 mod prospect;
 
+pub use camera::free_camera;
 pub use escalation::{filter_is_weak, leave_out_tracing, trace_instead, tracing_seconds};
 pub(super) use prospect::{Planned, PlannedExposure, Prospect, seen};
 

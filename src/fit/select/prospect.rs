@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::filter::Target;
 use crate::fit::Settings;
 use crate::fit::inference::{ChannelFit, Covariance, Displacement, ModelError};
-use crate::fit::observation::{Observation, Observed};
+use crate::fit::observation::{Observation, Observed, Unseen};
 use crate::fit::optimise::{Problem, SceneModels};
 use crate::fit::parameters::Parameters;
 use crate::forward::Exposure;
@@ -24,7 +24,7 @@ pub(crate) struct Planned<'x, 'a> {
     pub observations: &'x [Observation<'a>],
     /// Gain, veil and noise of each.
     pub exposures: &'x [PlannedExposure],
-    pub hidden_shares: &'x [Option<Image>],
+    pub unseen: &'x [Unseen],
     /// By what every variance is multiplied.
     pub variance_scale: f64,
 }
@@ -66,7 +66,7 @@ impl Prospect {
         let planned = Planned {
             observations,
             exposures: &PlannedExposure::of(pilot),
-            hidden_shares: &pilot.hidden_shares,
+            unseen: &pilot.unseen,
             variance_scale: 1.0,
         };
         Self::new(&planned, parameters, settings, progress).map(Some)
@@ -81,10 +81,8 @@ impl Prospect {
     ) -> Result<Self> {
         let mut observed = planned.observations.iter().map(Observed::new).collect::<Result<Vec<_>>>()?;
         observed.iter_mut().zip(planned.exposures).for_each(|(o, exposure)| o.noise = exposure.noise);
-        for (o, share) in observed.iter_mut().zip(planned.hidden_shares) {
-            if let Some(share) = share {
-                o.leave_out_hidden(share)?;
-            }
+        for (o, unseen) in observed.iter_mut().zip(planned.unseen) {
+            o.leave_out(unseen)?;
         }
         let engine = settings.engine();
         let mut models = SceneModels::prepare(planned.observations, &observed, &parameters, &engine)?;
@@ -97,7 +95,7 @@ impl Prospect {
             parameters: &parameters,
             covariance: &covariance,
             exposures: planned.exposures.iter().map(|e| e.exposure).collect(),
-            hidden_shares: planned.hidden_shares,
+            unseen: planned.unseen,
             engine,
             progress,
         })?

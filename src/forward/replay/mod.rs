@@ -21,9 +21,9 @@ pub use tracing::{MOST_PATHS, Tracing};
 
 use super::products::{Pixels, Products};
 use super::quantity::{Quantity, State};
-use super::{ForwardModel, ModelNoise, Radius, Trust};
+use super::{ForwardModel, ModelNoise, Radius, Rendering, Trust};
 use crate::error::{Error, Result};
-use crate::filter::{Coverage, Rendering, Target};
+use crate::filter::{Coverage, Target};
 use crate::image::{Image, Sampling};
 use crate::medium::Medium;
 use crate::phase::{Phase, PhaseFunction};
@@ -114,7 +114,7 @@ impl<'a> Replayed<'a> {
 
     fn mean(&self, state: &State) -> Result<Rendering> {
         let halves = self.rendered(state)?;
-        Ok(combined(&halves[0], &halves[1], |a, b| 0.5 * (a + b)))
+        Ok(halves[0].combined(&halves[1], |a, b| 0.5 * (a + b)))
     }
 }
 
@@ -158,7 +158,7 @@ impl ModelNoise for Replayed<'_> {
         let one = self.paths.render(&state.medium, batch..batch + 1)?;
         let all = self.mean(state)?;
         let n = BATCHES as f32;
-        let others = combined(&all, &one, |all, one| (n * all - one) / (n - 1.0));
+        let others = all.combined(&one, |all, one| (n * all - one) / (n - 1.0));
         Ok(Products::between(pixels, [&one, &others]))
     }
 
@@ -218,17 +218,4 @@ fn trace_in<'a, P: Likelihood + 'static>(
 /// `medium`, whose phase function is of the family of `P`.
 fn of_family<P: Likelihood>(medium: &Medium) -> Result<Medium<P>> {
     Ok(medium.with_phase(P::of_parameter(medium.phase().parameter())?))
-}
-
-/// `f` of the pixels of two renders and of their derivatives.
-fn combined(a: &Rendering, b: &Rendering, f: impl Fn(f32, f32) -> f32) -> Rendering {
-    let image = |a: &Image, b: &Image| Image {
-        data: a.data.iter().zip(&b.data).map(|(&a, &b)| f(a, b)).collect(),
-        ..*a
-    };
-    let gradient = match (&a.gradient, &b.gradient) {
-        (Some(a), Some(b)) => Some(std::array::from_fn(|c| image(&a[c], &b[c]))),
-        _ => None,
-    };
-    Rendering { image: image(&a.image, &b.image), gradient, motion: None }
 }

@@ -6,9 +6,10 @@
 
 use super::{Paths, of_family};
 use crate::error::Result;
+use crate::filter::Target;
 use crate::filter::basis::{Basis, combination};
 use crate::filter::slices::Node;
-use crate::filter::{Rendering, Target};
+use crate::forward::Rendering;
 use crate::geometry::Camera;
 use crate::image::Image;
 use crate::medium::Medium;
@@ -145,11 +146,7 @@ impl<P: Likelihood> Paths for TracedPlane<'_, P> {
             combination(&weights, &self.images)
         };
         let slope = |c: usize| sum(&move |weight| weight.gradient[c]);
-        Ok(Rendering {
-            image: sum(&|weight| weight.value),
-            gradient: Some([slope(0), slope(1), slope(2)]),
-            motion: None,
-        })
+        Ok(Rendering::of_medium(sum(&|weight| weight.value), [slope(0), slope(1), slope(2)]))
     }
 
     fn relative_sample_size(&self, medium: &Medium) -> Result<f64> {

@@ -2,7 +2,8 @@
 
 use super::{Paths, Tracing, of_family};
 use crate::error::Result;
-use crate::filter::{Rendering, Target};
+use crate::filter::Target;
+use crate::forward::Rendering;
 use crate::medium::Medium;
 use crate::trace::{BATCHES, Hits, ImageConfig, Likelihood};
 use std::ops::Range;
@@ -34,7 +35,7 @@ pub(super) fn traced<P: Likelihood>(
 impl<P: Likelihood> Paths for Hits<P> {
     fn render(&self, medium: &Medium, batches: Range<usize>) -> Result<Rendering> {
         let [image, sigma_s, sigma_a, phase] = self.image(&of_family(medium)?, batches)?;
-        Ok(Rendering { image, gradient: Some([sigma_s, sigma_a, phase]), motion: None })
+        Ok(Rendering::of_medium(image, [sigma_s, sigma_a, phase]))
     }
 
     fn relative_sample_size(&self, medium: &Medium) -> Result<f64> {

@@ -10,6 +10,7 @@ use crate::filter::Filter;
 use crate::fit::noise::{with_noise, with_variance};
 use crate::fit::{ChannelFit, Id, Parameter, Settings, fit_scenes};
 use crate::image::{Channel, Image};
+use crate::imaging::VeilField;
 use crate::medium::Medium;
 use crate::phase::b_of_spread_angle;
 use crate::scene::{Gain, Noise, ObservedScene, Veil};
@@ -199,7 +200,7 @@ impl Case {
             KnownNoise::Variance => Some(Noise::Variance(variance)),
         };
         if self.exposure_free && Some(plane) == self.planes.last() {
-            (observation.gain, observation.veil) = (Gain::Free, Veil::Free);
+            (observation.gain, observation.veil) = (Gain::Free, Veil::Free(VeilField::Constant));
         }
         Ok(scene)
     }

@@ -5,11 +5,11 @@ use crate::filter::{Backend, Optics, Target};
 use crate::forward::{Quantity, State};
 use crate::geometry::Geometry;
 use crate::image::{Border, Channel, Image, Sampling, View};
+use crate::imaging::{Blur, Choice, GainField, Registration};
 use crate::medium::Medium;
 use crate::phase::PhaseFunction;
 use crate::scene::{
-    FitOptions, Gain, HIDDEN_SHARE_MAX, Noise, Observation, ObservedScene, PartialMedium, Registration,
-    Scene, Veil,
+    FitOptions, Gain, HIDDEN_SHARE_MAX, Noise, Observation, ObservedScene, PartialMedium, Scene, Veil,
 };
 use crate::spread::Model;
 use crate::trace::{ImageConfig, TracedImage, trace_image};
@@ -166,7 +166,9 @@ impl Setting {
             veil: Veil::Fixed(0.0),
             gain_error: 0.0,
             hidden_share_max: HIDDEN_SHARE_MAX,
-            registration: Registration::None,
+            registration: Choice::Is(Registration::None),
+            blur: Choice::Is(Blur::default()),
+            gain_field: Choice::Is(GainField::None),
         };
         Ok(ObservedScene { scene, observation })
     }

@@ -2,31 +2,32 @@
 
 use super::cause::Cause;
 use crate::error::{Error, Result};
-use crate::filter::{Rendering, Target, motion};
+use crate::filter::{Target, motion};
 use crate::fit::inference::displacement::Displacement;
 use crate::fit::inference::error_images::ErrorImages;
 use crate::fit::observation::{Observation, VeilTerm};
-use crate::forward::{Quantity, State};
+use crate::forward::{Quantity, Rendering, State};
 use crate::geometry::{Field, path_lengths};
 use crate::image::{Border, Image};
+use crate::imaging::{Blur, GainField, Places, Registration, VeilField};
 use crate::phase::PhaseFunction;
-use crate::scene::Registration;
 use std::f64::consts::PI;
 
 /// Share of outside light below which there is none.
 const LEAST_OUTSIDE: f64 = 1e-4;
 
-/// A factor that varies over the view: x and y from its middle, in units of half its diagonal.
+/// A factor that varies over the view: a monomial of the place, or the square of the distance from the middle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Factor {
-    One,
-    X,
-    Y,
+    Monomial(usize),
     Square,
 }
 
-const GRADIENT: [Factor; 2] = [Factor::X, Factor::Y];
-const FIELD: [Factor; 3] = [Factor::X, Factor::Y, Factor::Square];
+const ONE: Factor = Factor::Monomial(0);
+const GRADIENT: [Factor; 2] = [Factor::Monomial(1), Factor::Monomial(2)];
+const FIELD: [Factor; 3] = [Factor::Monomial(1), Factor::Monomial(2), Factor::Square];
+/// What quadratic fields have beside slopes and square.
+const FURTHER: [Factor; 2] = [Factor::Monomial(3), Factor::Monomial(4)];
 
 /// An image times a factor.
 #[derive(Debug, Clone, Copy)]
@@ -39,7 +40,7 @@ pub(super) struct Column {
 /// The columns of one scene, in units of its observation.
 pub(super) struct Columns {
     images: Vec<Image>,
-    size_px: [usize; 2],
+    places: Places,
     gain: f32,
     /// What the model is known to err.
     errors: Vec<Column>,
@@ -58,7 +59,7 @@ impl Columns {
         let observation = fit.observed[scene].observation;
         let mut this = Self {
             images: Vec::new(),
-            size_px: [observation.observed.width, observation.observed.height],
+            places: observation.places(),
             gain: fit.exposures[scene].gain as f32,
             errors: Vec::new(),
             causes: Vec::new(),
@@ -79,16 +80,13 @@ impl Columns {
     /// The value of `column` at the pixel `index` of the view.
     pub(super) fn value(&self, column: Column, index: usize) -> f64 {
         let value = column.image.map_or(1.0, |i| f64::from(self.images[i].data[index]));
-        if column.factor == Factor::One {
+        if column.factor == ONE {
             return value;
         }
-        let half = 0.5 * (self.size_px[0] as f64).hypot(self.size_px[1] as f64);
-        let [x, y] = self.place_px(index).map(|c| c / half);
+        let terms = self.places.monomials(index);
         match column.factor {
-            Factor::One => value,
-            Factor::X => value * x,
-            Factor::Y => value * y,
-            Factor::Square => value * (x * x + y * y),
+            Factor::Monomial(term) => value * terms[term],
+            Factor::Square => value * (terms[3] + terms[5]),
         }
     }
 
@@ -113,18 +111,11 @@ impl Columns {
         self.causes.iter().map(numbered).collect()
     }
 
-    /// The pixel `index` seen from the middle of the view, px.
-    fn place_px(&self, index: usize) -> [f64; 2] {
-        let middle = |i: usize, n: usize| i as f64 + 0.5 - 0.5 * n as f64;
-        let [width, height] = self.size_px;
-        [middle(index % width, width), middle(index / width, height)]
-    }
-
     /// Adds an image of the object's light, as it is observed.
     fn add(&mut self, mut image: Image) -> Column {
         image.data.iter_mut().for_each(|v| *v *= self.gain);
         self.images.push(image);
-        Column { image: Some(self.images.len() - 1), factor: Factor::One }
+        Column { image: Some(self.images.len() - 1), factor: ONE }
     }
 
     fn add_cause(&mut self, cause: Cause, image: Image) {
@@ -133,7 +124,7 @@ impl Columns {
     }
 
     fn made(&self, value: impl Fn(usize) -> f64) -> Image {
-        let [width, height] = self.size_px;
+        let Places { width, height } = self.places;
         Image { width, height, data: (0..width * height).map(|i| value(i) as f32).collect() }
     }
 
@@ -141,15 +132,21 @@ impl Columns {
     fn add_motion(&mut self, light: &Image, observation: &Observation) -> Result<()> {
         let motion = motion(light)?;
         let moved = |axis: usize, i: usize| f64::from(motion[axis].data[i]);
-        let turned = self.made(|i| {
-            let [x, y] = self.place_px(i);
-            (x * moved(1, i) - y * moved(0, i)) * PI / 180.0
-        });
-        let scaled = self.made(|i| {
-            let [x, y] = self.place_px(i);
-            x * moved(0, i) + y * moved(1, i)
-        });
-        let [width, height] = self.size_px;
+        // A motion of each place: [[xx, xy], [yx, yy]] times the place, px.
+        let bent = |this: &Self, [xx, xy, yx, yy]: [f64; 4]| {
+            this.made(|i| {
+                let [x, y] = this.places.px(i);
+                (xx * x + xy * y) * moved(0, i) + (yx * x + yy * y) * moved(1, i)
+            })
+        };
+        let half = self.places.half_diagonal_px();
+        let tilted = |this: &Self, axis: usize| {
+            this.made(|i| {
+                let place = this.places.px(i);
+                -place[axis] / half * (place[0] * moved(0, i) + place[1] * moved(1, i))
+            })
+        };
+        let Places { width, height } = self.places;
         let at = |x: usize, y: usize| f64::from(light.at(x, y));
         let blurred = self.made(|i| {
             let (x, y) = (i % width, i / width);
@@ -157,30 +154,65 @@ impl Columns {
             let (left, up) = (x.saturating_sub(1), y.saturating_sub(1));
             0.5 * (at(left, y) + at(right, y) + at(x, up) + at(x, down) - 4.0 * at(x, y))
         });
-        if observation.registration == Registration::None {
+        // Of each cause what the next kind of registration would have beside this one.
+        let registration = observation.registration;
+        let images: Vec<(Cause, Vec<Image>)> = match registration {
+            Registration::Similarity => {
+                let strains = [[1.0, 0.0, 0.0, -1.0], [0.0, 1.0, 1.0, 0.0]];
+                vec![(Cause::Scale, strains.map(|strain| bent(self, strain)).to_vec())]
+            }
+            Registration::Affine => vec![(Cause::Scale, [0, 1].map(|axis| tilted(self, axis)).to_vec())],
+            Registration::Homography => Vec::new(),
+            _ => {
+                let degree = PI / 180.0;
+                let turned = bent(self, [0.0, -degree, degree, 0.0]);
+                let scaled = bent(self, [1.0, 0.0, 0.0, 1.0]);
+                vec![(Cause::Rotation, vec![turned]), (Cause::Scale, vec![scaled])]
+            }
+        };
+        if registration == Registration::None {
             let columns = motion.map(|image| self.add(image)).to_vec();
             self.causes.push((Cause::Shift, columns));
         }
-        self.add_cause(Cause::Rotation, turned);
-        self.add_cause(Cause::Scale, scaled);
-        self.add_cause(Cause::Blur, blurred);
+        for (cause, images) in images {
+            let columns = images.into_iter().map(|image| self.add(image)).collect();
+            self.causes.push((cause, columns));
+        }
+        if observation.blur != Blur::Free {
+            self.add_cause(Cause::Blur, blurred);
+        }
         Ok(())
     }
 
     /// What gain, veil and response do to the image of `light`.
     fn add_levels(&mut self, light: &Image, observation: &Observation) {
         let Column { image, .. } = self.add(light.clone());
-        let field = FIELD.map(|factor| Column { image, factor });
-        self.causes.push((Cause::GainField, field.to_vec()));
-        let constant = (!matches!(observation.veil, VeilTerm::Free)).then_some(Factor::One);
-        let veil = constant.into_iter().chain(FIELD).map(|factor| Column { image: None, factor });
-        self.causes.push((Cause::Veil, veil.collect()));
+        let field: &[Factor] = match observation.gain_field {
+            GainField::None => &FIELD,
+            GainField::Radial => &[FIELD[0], FIELD[1], FURTHER[0], FURTHER[1]],
+            _ => &[],
+        };
+        self.add_field(Cause::GainField, image, field);
+        let veil: &[Factor] = match observation.veil {
+            VeilTerm::Free(VeilField::Constant) => &FIELD,
+            VeilTerm::Free(VeilField::Linear) => &[Factor::Square, FURTHER[0], FURTHER[1]],
+            VeilTerm::Free(_) => &[],
+            _ => &[ONE, FIELD[0], FIELD[1], FIELD[2]],
+        };
+        self.add_field(Cause::Veil, None, veil);
         let mean = light.mean().max(f64::MIN_POSITIVE);
         let bent = self.made(|i| {
             let share = f64::from(light.data[i]) / mean;
             if share > 0.0 { mean * share * share.ln() } else { 0.0 }
         });
         self.add_cause(Cause::Transfer, bent);
+    }
+
+    /// The image number `image`, or 1, times these factors, if there are any.
+    fn add_field(&mut self, cause: Cause, image: Option<usize>, factors: &[Factor]) {
+        if !factors.is_empty() {
+            self.causes.push((cause, factors.iter().map(|&factor| Column { image, factor }).collect()));
+        }
     }
 
     /// The second difference of the reference's light in the width of the phase function: part of it is wider, part of it narrower.
@@ -193,12 +225,14 @@ impl Columns {
 
     /// How the light changes with the depth: tau, sigma_a z and the width of the kernel change with it.
     fn add_depth(&mut self, rendering: &Rendering, state: &State) {
-        let Some(gradient) = &rendering.gradient else { return };
         let phase = state.medium.phase();
         let widening = phase.planar_width() / phase.planar_width_derivative();
         let per_depth = [state.medium.sigma_s(), state.medium.sigma_a(), widening];
+        let slopes = Quantity::MEDIUM.map(|quantity| rendering.derivative(quantity));
+        let [Some(sigma_s), Some(sigma_a), Some(phase)] = slopes else { return };
         let change = self.made(|i| {
-            gradient.iter().zip(per_depth).map(|(slope, change)| f64::from(slope.data[i]) * change).sum()
+            let slopes = [sigma_s, sigma_a, phase].map(|image| f64::from(image.data[i]));
+            slopes.iter().zip(per_depth).map(|(slope, change)| slope * change).sum()
         });
         let Column { image, .. } = self.add(change);
         self.causes.push((Cause::DepthGradient, GRADIENT.map(|factor| Column { image, factor }).to_vec()));
@@ -207,6 +241,10 @@ impl Columns {
     /// Light of the mean radiance from outside the clear image.
     fn add_surroundings(&mut self, fit: &Displacement, scene: usize, state: &State) -> Result<()> {
         let target = fit.observed[scene].observation.target;
+        // Extrapolated light is an error of the model, and what sees much of it is left out.
+        if target.border == Border::Unknown {
+            return Ok(());
+        }
         let level = target.radiance.mean() as f32;
         let even = Image { data: vec![level; target.radiance.data.len()], ..*target.radiance };
         let behind: Vec<Image> = target.behind.iter().map(|_| even.clone()).collect();
@@ -233,7 +271,7 @@ impl Columns {
             return Ok(());
         }
         let Column { image, .. } = self.add(outside);
-        let columns = [Factor::One, Factor::X, Factor::Y].map(|factor| Column { image, factor });
+        let columns = [ONE, GRADIENT[0], GRADIENT[1]].map(|factor| Column { image, factor });
         self.causes.push((Cause::OutsideLight, columns.to_vec()));
         Ok(())
     }

@@ -1,10 +1,9 @@
 //! All columns of one scene, pixel by pixel, in units of the noise.
 
 use super::columns::{Column, Columns};
-use crate::filter::Rendering;
 use crate::fit::inference::displacement::Displacement;
 use crate::fit::observation::{LinearTerm, Observed};
-use crate::forward::{Exposure, Pixel, derivatives};
+use crate::forward::{Exposure, Pixel, Quantity, Rendering};
 use crate::image::Image;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -44,16 +43,16 @@ impl<'x> Frame<'x> {
         let observed = &fit.observed[scene];
         let exposure = fit.exposures[scene];
         let chain = fit.parameters.chain();
-        let derivative = |(quantity, image): (_, &Image)| {
+        let derivative = |(quantity, image): (Quantity, Image)| {
             let row = fit.parameters.moving(quantity, scene)?.row();
-            Some(Derivative { row, slope: chain[row] * exposure.gain, image: image.clone() })
+            Some(Derivative { row, slope: chain[row] * exposure.gain, image })
         };
         Self {
             observed,
             columns,
             exposure,
             linear: LinearTerm::free(&observed.observation),
-            derivatives: derivatives(&rendering).into_iter().filter_map(derivative).collect(),
+            derivatives: rendering.derivatives.into_iter().filter_map(derivative).collect(),
             extra: columns.all().collect(),
             light: rendering.image,
         }
@@ -97,14 +96,15 @@ impl<'x> Frame<'x> {
         let i = pixel.index as usize;
         let scale = f64::from(pixel.weight).sqrt() / self.observed.noise;
         let light = f64::from(self.light.data[i]);
+        let places = self.observed.observation.places();
         let linear = self.linear.iter().map(|term| match term {
-            LinearTerm::Veil => 1.0,
+            LinearTerm::Veil(term) => places.monomials(i)[*term],
             LinearTerm::Gain => light,
         });
         let slopes = self.derivatives.iter().map(|d| f64::from(d.image.data[i]) * d.slope);
         let extra = self.extra.iter().map(|column| self.columns.value(*column, i));
         let Exposure { gain, veil } = self.exposure;
-        let residual = f64::from(pixel.value) - veil - gain * light;
+        let residual = f64::from(pixel.value) - veil.at(places, i) - gain * light;
         let all = linear.chain(slopes).chain(extra).chain([residual]);
         out.iter_mut().zip(all).for_each(|(out, value)| *out = scale * value);
     }

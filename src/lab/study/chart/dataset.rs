@@ -76,7 +76,7 @@ impl Dataset {
             Error::Scene { path: self.scene().path.clone(), message }
         };
         let Gain::Fixed(gain) = o.gain else { return Err(refuse("gain must be a number")) };
-        if o.veil == Veil::Free {
+        if matches!(o.veil, Veil::Free(_)) {
             return Err(refuse("veil must be a number or an image"));
         }
         let variances =
@@ -94,7 +94,7 @@ impl Dataset {
                 let veil = match &o.veil {
                     Veil::Image(veil) => f64::from(veil[c].image.data[i]),
                     Veil::Fixed(veil) => *veil,
-                    Veil::Free => 0.0,
+                    Veil::Free(_) | Veil::Auto => 0.0,
                 };
                 let seen = Estimate {
                     value: (f64::from(value) - veil) / gain,
