@@ -138,7 +138,11 @@ fn estimate(arguments: &Arguments, scenes: &mut [ObservedScene], chosen: &Chosen
         }
         fit => fit,
     };
-    let fit = free_camera(scenes, whole, probe)?;
+    let fit = if model == WantedModel::This(Model::Traced) {
+        whole(scenes)?
+    } else {
+        free_camera(scenes, whole, probe)?
+    };
     drop(progress);
     if model == WantedModel::Auto { trace_if_weak(arguments, scenes, chosen, fit) } else { Ok(fit) }
 }

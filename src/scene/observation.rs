@@ -185,7 +185,8 @@ pub(super) fn read_observation(
         gain_error,
         veil,
         hidden_share_max,
-        registration: chosen(registration, |i| Registration::ALL[i]),
+        registration: registration
+            .map_or(Choice::Auto, |stated| chosen(Some(stated), |i| Registration::ALL[i])),
         blur,
         gain_field: chosen(gain_field, |i| GainField::ALL[i]),
     })

@@ -7,7 +7,8 @@ use narrowbeam::filter::{Filter, moved};
 use narrowbeam::fit::noise::with_noise;
 use narrowbeam::fit::{Cause, DiagnosisReport, Fit, Settings, Severity, Status, WarningCode};
 use narrowbeam::image::Image;
-use narrowbeam::scene::{ObservedScene, Registration};
+use narrowbeam::imaging::{Choice, Registration};
+use narrowbeam::scene::ObservedScene;
 use narrowbeam::spread::Model;
 use std::path::Path;
 
@@ -67,7 +68,7 @@ fn faults_of_real_images_are_named_and_their_fits_not_given_as_good() {
 #[test]
 fn a_shift_is_measured_by_the_residual_it_leaves() {
     let mut shifted = scene("registration/sharp-shifted-0.3.toml");
-    shifted.observation.registration = Registration::None;
+    shifted.observation.registration = Choice::Is(Registration::None);
     let fit = fit(shifted);
     let found = of_the_image(&fit)[0];
     println!("{} ± {}", found.amplitude, found.std_error);
@@ -106,7 +107,7 @@ fn noise_that_neighbours_share_widens_the_error_bars_and_is_no_fault() {
     }
     let photograph = self::fit({
         let mut scene = scene("registration/photograph-shifted-0.toml");
-        scene.observation.registration = Registration::None;
+        scene.observation.registration = Choice::Is(Registration::None);
         scene
     });
     assert_eq!(photograph.warnings, []);

@@ -8,6 +8,7 @@ use narrowbeam::filter::{Filter, Optics, Target};
 use narrowbeam::fit::{ChannelFit, NoiseTerm, Observation, Settings, VeilTerm, fit_channel};
 use narrowbeam::geometry::{Field, Geometry};
 use narrowbeam::image::{Border, Image, View};
+use narrowbeam::imaging::VeilField;
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::Gaussian;
 use narrowbeam::scene::{FitOptions, Gain};
@@ -169,9 +170,14 @@ fn gram_matrices_give_the_answer_of_renders() {
     let uneven =
         Observation { mask: Some(&mask), noise: Some(NoiseTerm::Variance(&variance)), ..made.observation() };
     assert_agreed("variances", &[uneven], model);
-    assert_agreed("variances and a free veil", &[Observation { veil: VeilTerm::Free, ..uneven }], model);
+    assert_agreed(
+        "variances and a free veil",
+        &[Observation { veil: VeilTerm::Free(VeilField::Constant), ..uneven }],
+        model,
+    );
     made.observed.data.iter_mut().for_each(|v| *v = 1.3 * *v + 0.2);
-    let exposed = Observation { gain: Gain::Free, veil: VeilTerm::Free, ..made.observation() };
+    let exposed =
+        Observation { gain: Gain::Free, veil: VeilTerm::Free(VeilField::Constant), ..made.observation() };
     assert_agreed("free gain and veil", &[exposed], model);
 }
 
@@ -185,8 +191,10 @@ fn so_they_do_for_several_scenes_and_depths() {
             Made::new(geometry, model, Border::Zero, whole, 2)
         })
         .collect();
-    let observations: Vec<Observation> =
-        scenes.iter().map(|m| Observation { veil: VeilTerm::Free, ..m.observation() }).collect();
+    let observations: Vec<Observation> = scenes
+        .iter()
+        .map(|m| Observation { veil: VeilTerm::Free(VeilField::Constant), ..m.observation() })
+        .collect();
     assert_agreed("two scenes", &observations, model);
 
     let depth = Field::Map(Image::from_fn(64, 64, |x, y| if (x / 16 + y / 16) % 2 == 0 { 1.5 } else { 2.5 }));

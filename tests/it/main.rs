@@ -2,6 +2,7 @@
 
 mod architecture;
 mod bright_squares;
+mod camera;
 mod cli;
 mod cli_kernel_trace;
 mod cli_reproduce;

@@ -7,6 +7,7 @@ use narrowbeam::fit::{ChannelFit, Method, NoiseTerm, Observation, Settings, Stat
 use narrowbeam::forward::Quantity;
 use narrowbeam::geometry::Geometry;
 use narrowbeam::image::{Border, Image, View};
+use narrowbeam::imaging::VeilField;
 use narrowbeam::medium::Medium;
 use narrowbeam::scene::{FitOptions, Gain, ParameterOptions};
 use narrowbeam::spread::Model;
@@ -189,7 +190,11 @@ fn two_depths_and_exposures_with_free_veils() {
     let observations: Vec<Observation> = scenes
         .iter()
         .zip([1.3, 0.7])
-        .map(|(m, gain)| Observation { gain: Gain::Fixed(gain), veil: VeilTerm::Free, ..m.observation() })
+        .map(|(m, gain)| Observation {
+            gain: Gain::Fixed(gain),
+            veil: VeilTerm::Free(VeilField::Constant),
+            ..m.observation()
+        })
         .collect();
     let fit = fit(&observations, &FitOptions::default(), Model::SmallAngle);
     for found in compare_all(&fit, truth) {
@@ -198,7 +203,7 @@ fn two_depths_and_exposures_with_free_veils() {
         assert!(off.abs() < 4.0 * error, "{}: {off} ± {error}", found.name());
     }
     for (exposure, veil) in fit.exposures.iter().zip([0.05, 0.2]) {
-        assert!((exposure.veil - veil).abs() < 4.0 * exposure.veil_error.unwrap());
+        assert!((exposure.veil.0[0] - veil).abs() < 4.0 * exposure.veil_errors[0].unwrap());
         assert!((exposure.noise / 0.002 - 1.0).abs() < 0.05);
     }
 }

@@ -11,6 +11,7 @@ use narrowbeam::fit::{Fit, Settings};
 use narrowbeam::forward::{Engine, State, Tracing};
 use narrowbeam::geometry::{Field, Geometry};
 use narrowbeam::image::{Border, Image, Sampling, View};
+use narrowbeam::imaging::{Choice, Registration};
 use narrowbeam::medium::Medium;
 use narrowbeam::scene::ObservedScene;
 use narrowbeam::spread::Model;
@@ -191,7 +192,7 @@ fn a_photograph_that_a_lens_has_averaged_is_band_limited() {
         Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/registration/photograph-shifted-0.toml");
     let fit = |sampling| {
         let mut scene = ObservedScene::read(&file).unwrap();
-        scene.observation.registration = narrowbeam::scene::Registration::None;
+        scene.observation.registration = Choice::Is(Registration::None);
         (scene.scene.sampling, scene.scene.sampling_is_known) = (sampling, true);
         let settings = Settings { model: Model::WideAngle, ..Settings::default() };
         fit_scenes(&[scene], &settings, Filter::Auto, &|| ()).unwrap().report

@@ -9,11 +9,11 @@ use narrowbeam::fit::{SEQUENCE, SceneFit, Settings};
 use narrowbeam::forward::Quantity;
 use narrowbeam::geometry::Geometry;
 use narrowbeam::image::{Border, Channel, Image, Sampling, View};
+use narrowbeam::imaging::{Blur, Choice, GainField, Registration};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{PhaseFunction, b_of_spread_angle};
 use narrowbeam::scene::{
-    FitOptions, Gain, Noise, Observation, ObservedScene, ParameterOptions, PartialMedium, Registration,
-    Scene, Veil,
+    FitOptions, Gain, Noise, Observation, ObservedScene, ParameterOptions, PartialMedium, Scene, Veil,
 };
 use narrowbeam::spread::Model;
 use std::path::PathBuf;
@@ -85,7 +85,9 @@ impl Regime {
             veil: Veil::Fixed(0.0),
             gain_error: 0.0,
             hidden_share_max: 0.01,
-            registration: Registration::None,
+            registration: Choice::Is(Registration::None),
+            blur: Choice::Is(Blur::default()),
+            gain_field: Choice::Is(GainField::None),
         };
         ObservedScene { scene, observation }
     }

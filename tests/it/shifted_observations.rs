@@ -7,7 +7,8 @@ use narrowbeam::filter::{Backend, Filter, moved};
 use narrowbeam::fit::{Fit, SceneFit, Settings, Status};
 use narrowbeam::forward::Quantity;
 use narrowbeam::image::{Image, View};
-use narrowbeam::scene::{ObservedScene, Registration};
+use narrowbeam::imaging::{Choice, Registration};
+use narrowbeam::scene::ObservedScene;
 use narrowbeam::spread::Model;
 use std::path::{Path, PathBuf};
 
@@ -31,7 +32,7 @@ fn wide_angle() -> Settings<'static> {
 }
 
 fn unregistered(mut scene: ObservedScene) -> ObservedScene {
-    scene.observation.registration = Registration::None;
+    scene.observation.registration = Choice::Is(Registration::None);
     scene
 }
 
@@ -109,7 +110,7 @@ fn moved_dataset(name: &str, shift_px: [f64; 2], registration: Registration) -> 
     let image: &mut Image = &mut scene.observation.image[0].image;
     *image = moved(image, shift_px).unwrap().crop(inner);
     scene.scene.view = View { x: x + EDGE, y: y + EDGE, ..inner };
-    scene.observation.registration = registration;
+    scene.observation.registration = Choice::Is(registration);
     scene
 }
 
@@ -194,5 +195,9 @@ fn the_program_reports_the_shift_and_refuses_what_it_cannot_register() {
     for name in ["sharp.exr", "sharp-shifted-0.3.exr"] {
         std::fs::copy(file(name), dir.path().join(name)).unwrap();
     }
-    refuses(dir.path(), &["fit", "scene.toml"], &["[observation] registration", "warp", "none, shift"]);
+    refuses(
+        dir.path(),
+        &["fit", "scene.toml"],
+        &["[observation] registration", "warp", "none, shift, similarity"],
+    );
 }

@@ -9,6 +9,7 @@ use narrowbeam::filter::gpu::GpuFilter;
 use narrowbeam::filter::{Backend, Filter, Optics};
 use narrowbeam::fit::{ChannelFit, NoiseTerm, Observation, Settings, VeilTerm, fit_channel};
 use narrowbeam::image::Image;
+use narrowbeam::imaging::VeilField;
 use narrowbeam::medium::Medium;
 use narrowbeam::scene::{FitOptions, Gain, ObservedScene};
 use narrowbeam::spread::Model;
@@ -52,7 +53,13 @@ fn fits_equal_those_of_the_cpu() {
     let uneven = Some(NoiseTerm::Variance(&variance));
     let cases = [
         ("a plane, all free", plane(), None, VeilTerm::Fixed(0.05), None),
-        ("a slope, masked", Scene::slope((96, 64), 96).composite(), Some(&mask), VeilTerm::Free, None),
+        (
+            "a slope, masked",
+            Scene::slope((96, 64), 96).composite(),
+            Some(&mask),
+            VeilTerm::Free(VeilField::Constant),
+            None,
+        ),
         ("uneven noise", plane(), None, VeilTerm::Fixed(0.05), uneven),
     ];
     for (name, scene, mask, veil, noise) in &cases {

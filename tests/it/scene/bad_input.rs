@@ -2,6 +2,7 @@
 
 use super::folder::{Folder, SCENE, SEEN, SIZE, and, spoilt, texture, with};
 use narrowbeam::image::Image;
+use narrowbeam::imaging::VeilField;
 use narrowbeam::scene::{Gain, ObservedScene, PartialMedium, Veil};
 
 #[test]
@@ -157,7 +158,7 @@ fn numbers_of_the_observation_are_checked() {
     folder.refuses(&with("noise", "veil = nan\nnoise"), &["[observation] veil"]);
     let scene = folder.observed(&with("noise", "gain = \"free\"\nveil = \"free\"\nnoise")).unwrap();
     let observation = scene.observation;
-    assert_eq!((observation.gain, observation.veil), (Gain::Free, Veil::Free));
+    assert_eq!((observation.gain, observation.veil), (Gain::Free, Veil::Free(VeilField::Constant)));
 }
 
 #[test]

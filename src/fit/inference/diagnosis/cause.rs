@@ -121,12 +121,15 @@ impl Cause {
     /// What a user can do.
     pub fn advice(self) -> &'static str {
         match self {
-            Self::Shift => "fit it along: registration = \"shift\"",
-            Self::Rotation | Self::Scale => "register the images before the fit",
-            Self::Blur => "focus both images alike",
-            Self::GainField => "divide both images by the same flat field",
-            Self::Veil => "free it: veil = \"free\"; or give it as an image",
-            Self::OutsideLight => "take a clear image that is larger than the view",
+            Self::Shift | Self::Rotation | Self::Scale => "fit it along: registration = \"auto\"",
+            Self::Blur => "fit it along: blur_px = \"free\"; or focus both images alike",
+            Self::GainField => {
+                "fit it along: gain_field = \"auto\"; or divide both images by the same flat field"
+            }
+            Self::Veil => "fit it along: veil = \"auto\"; or give it as an image",
+            Self::OutsideLight => {
+                "say so: border = \"unknown\"; or take a clear image that is larger than the view"
+            }
             Self::Saturation => "mask the pixels, or expose for a shorter time",
             Self::ObjectNoise => "average several clear images",
             Self::Sampling => "state what is right: sampling = \"pixel\" or \"bandlimited\"",
