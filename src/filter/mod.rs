@@ -45,6 +45,7 @@ mod pixel_weights;
 mod plan;
 mod registration;
 mod shift;
+mod similarity;
 mod slab;
 #[doc(hidden)]
 pub mod slices;
@@ -60,7 +61,8 @@ pub use cpu::Rendering;
 pub use hidden::hidden_share;
 pub use moved::{motion, moved};
 pub use plan::{CUT, Coverage};
-pub use registration::{coarse_shift, coarse_similarity};
+pub use registration::coarse_shift;
+pub use similarity::coarse_similarity;
 
 use crate::error::Result;
 use crate::geometry::Geometry;

@@ -1,8 +1,8 @@
 //! The rule of no silent failure: what counts as one, and that a coarse map of where methods fail has none.
 
 use crate::common::program::narrowbeam;
+use narrowbeam::fit::WarningCode;
 use narrowbeam::fit::noise::with_noise;
-use narrowbeam::fit::{Method as Solver, WarningCode};
 use narrowbeam::forward::Quantity;
 use narrowbeam::lab::study::grid::plane;
 use narrowbeam::lab::study::stability::{Found, Method, Outcome, OutcomeKind};
@@ -97,7 +97,7 @@ fn no_method_fails_silently_on_a_coarse_map() {
 /// What the coarse map leaves out. Small-angle theory's simplex takes over a minute from here: the whole study has it.
 #[test]
 fn a_start_two_decades_too_wide_misleads_no_method_silently() {
-    let simplex = Method { model: Some(Model::WideAngle), solver: Solver::NelderMead };
+    let simplex = Method::simplex(Model::WideAngle);
     for degrees in [6.0, 30.0] {
         let setting = plane(1.5, degrees, 32).unwrap();
         let clean = setting.render(Model::WideAngle).unwrap();

@@ -1,6 +1,7 @@
 //! How each scene was exposed, and where its observation lay.
 
 use super::imaging::{BlurReport, FieldReport, RegistrationReport};
+use super::term::Term;
 use crate::fit::inference::{ChannelFit, ExposureEstimate};
 use serde::{Deserialize, Serialize};
 
@@ -44,16 +45,6 @@ pub struct ExposureReport {
     /// How its veil varied, if it was free to.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub veil_field: Option<FieldReport>,
-}
-
-/// A number that enters the image linearly.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "cli", derive(schemars::JsonSchema))]
-pub struct Term {
-    /// Its value.
-    pub value: f64,
-    /// Its standard error; null if it was given or the data leave it undetermined.
-    pub std_error: Option<f64>,
 }
 
 impl ExposureReport {

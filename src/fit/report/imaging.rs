@@ -1,6 +1,6 @@
 //! What the camera of one scene did to the light: where it looked, how sharply, and its fields.
 
-use super::Term;
+use super::term::Term;
 use crate::fit::inference::{ChannelFit, ExposureEstimate};
 use crate::forward::Quantity;
 use crate::imaging::{GAIN_MONOMIALS, MONOMIALS, WarpParameter};

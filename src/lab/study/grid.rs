@@ -4,7 +4,6 @@ use super::setting::{Setting, Texture};
 use super::stability::Method;
 use super::trial::{Place, Trial};
 use crate::error::Result;
-use crate::fit::Method as Solver;
 use crate::forward::Quantity;
 use crate::medium::Medium;
 use crate::phase::b_of_spread_angle;
@@ -27,6 +26,10 @@ pub struct Extent {
     /// Decades by which a start may have too much of both sigma_s and B: its kernels are as wide as they get, and a simplex
     /// takes a minute from two decades.
     pub widest_start: f64,
+    /// Decades up to which the simplex is tried at all.
+    pub widest_simplex: f64,
+    /// The methods along the sweeps of the camera.
+    pub of_camera: &'static [Method],
 }
 
 impl Extent {
@@ -38,6 +41,8 @@ impl Extent {
             tau: log_spaced(0.1, 12.0, 8),
             spread_angle_deg: log_spaced(2.0, 60.0, 7),
             widest_start: 2.0,
+            widest_simplex: 2.0,
+            of_camera: &OF_CAMERA,
         }
     }
 
@@ -49,6 +54,8 @@ impl Extent {
             tau: log_spaced(0.2, 8.0, 3),
             spread_angle_deg: log_spaced(4.0, 40.0, 3),
             widest_start: 1.0,
+            widest_simplex: 0.5,
+            of_camera: &OF_CAMERA[2..],
         }
     }
 }
@@ -62,10 +69,14 @@ pub const METHODS: [Method; 10] = [
     Method::of(Model::NarrowBeam),
     Method::of(Model::SmallAngle),
     Method::of(Model::WideAngle),
-    Method { model: Some(Model::SmallAngle), solver: Solver::NelderMead },
-    Method { model: Some(Model::WideAngle), solver: Solver::NelderMead },
+    Method::simplex(Model::SmallAngle),
+    Method::simplex(Model::WideAngle),
     Method::AUTO,
 ];
+
+/// The methods along the sweeps of the camera.
+const OF_CAMERA: [Method; 4] =
+    [Method::of(Model::SmallAngle), Method::of(Model::WideAngle), Method::AUTO, Method::CAMERA];
 
 /// Depth of the planes, length.
 pub(super) const Z: f64 = 2.0;

@@ -8,10 +8,12 @@ use super::setting::Setting;
 use crate::error::Result;
 use crate::filter::{Backend, Filter};
 use crate::fit::{
-    Id, Method as Solver, Parameter, SceneFit, Settings, Severity, WarningCode, fit_scenes, select,
+    Id, Method as Solver, Parameter, SceneFit, Settings, Severity, WarningCode, fit_scenes, free_camera,
+    select,
 };
 use crate::forward::Quantity;
-use crate::scene::ObservedScene;
+use crate::imaging::Choice;
+use crate::scene::{ObservedScene, Veil};
 use crate::spread::Model;
 use std::time::Instant;
 
@@ -37,21 +39,32 @@ pub struct Method {
     pub model: Option<Model>,
     /// The optimiser.
     pub solver: Solver,
+    /// Whether what its camera does is left to the fit: registration, blur, gain field and veil.
+    pub frees_camera: bool,
 }
 
 impl Method {
     /// `model` with Levenberg-Marquardt.
     pub const fn of(model: Model) -> Self {
-        Self { model: Some(model), solver: Solver::LevenbergMarquardt }
+        Self { model: Some(model), solver: Solver::LevenbergMarquardt, frees_camera: false }
     }
 
     /// The automatic choice with Levenberg-Marquardt.
-    pub const AUTO: Self = Self { model: None, solver: Solver::LevenbergMarquardt };
+    pub const AUTO: Self = Self { model: None, solver: Solver::LevenbergMarquardt, frees_camera: false };
+
+    /// The same, with the camera.
+    pub const CAMERA: Self = Self { frees_camera: true, ..Self::AUTO };
+
+    /// `model` with Nelder and Mead's simplex.
+    pub const fn simplex(model: Model) -> Self {
+        Self { solver: Solver::NelderMead, ..Self::of(model) }
+    }
 
     /// Name in tables and maps.
     pub fn name(self) -> String {
         let model = self.model.map_or("auto", Model::name);
         match self.solver {
+            _ if self.frees_camera => format!("{model}, camera"),
             Solver::LevenbergMarquardt => model.to_string(),
             Solver::NelderMead => format!("{model}, nelder-mead"),
         }
@@ -69,11 +82,16 @@ impl Method {
             gram: self.solver == Solver::LevenbergMarquardt,
             ..Settings::default()
         };
-        let scenes = std::slice::from_ref(scene);
-        match self.model {
+        let fit = |scenes: &[ObservedScene]| match self.model {
             Some(_) => fit_scenes(scenes, &settings, Filter::Auto, &|| ()),
             None => select(scenes, &settings, Filter::Auto, TOLERANCE, &|| ()),
+        };
+        if !self.frees_camera {
+            return fit(std::slice::from_ref(scene));
         }
+        let exact = Settings { model: self.model.unwrap_or(Model::WideAngle), ..settings };
+        let probe = |scenes: &[ObservedScene]| fit_scenes(scenes, &exact, Filter::Auto, &|| ());
+        free_camera(&mut [opened(scene)], fit, probe)
     }
 
     /// Fits `scene` and compares the outcome with the truth, for the parameters `compared`.
@@ -83,6 +101,15 @@ impl Method {
         outcome.seconds = clock.elapsed().as_secs_f64();
         outcome
     }
+}
+
+/// `scene` with all of its camera left to the fit.
+fn opened(scene: &ObservedScene) -> ObservedScene {
+    let mut scene = scene.clone();
+    let observation = &mut scene.observation;
+    (observation.registration, observation.blur) = (Choice::Auto, Choice::Auto);
+    (observation.gain_field, observation.veil) = (Choice::Auto, Veil::Auto);
+    scene
 }
 
 /// What is known of one parameter after a fit; errors in ln sigma_s, sigma_a z and ln B.

@@ -17,8 +17,9 @@ use crate::spread::Model;
 
 /// The methods along the sweeps.
 const SWEPT: [Method; 3] = [Method::of(Model::SmallAngle), Method::of(Model::WideAngle), Method::AUTO];
-/// The same without the choice of a model, by either solver, for starts.
-const SOLVED: [Method; 4] = [METHODS[5], METHODS[6], METHODS[7], METHODS[8]];
+/// The same without the choice of a model, for starts; and by the other solver.
+const SOLVED: [Method; 2] = [METHODS[5], METHODS[6]];
+const SIMPLEX: [Method; 2] = [METHODS[7], METHODS[8]];
 
 /// Standard deviation of the noise along the sweeps, in mean radiances.
 const NOISE: f64 = 0.005;
@@ -37,7 +38,7 @@ pub fn sweeps(extent: &Extent, seed: u64, tick: Tick) -> Result<Vec<Trial>> {
     for (i, degrees) in [6.0, 30.0].into_iter().enumerate() {
         let base = plane(1.5, degrees, extent.side)?;
         let (samples, seed) = (extent.samples * CLEANER, seed + 1000 * (i as u64 + 1));
-        trials.extend(Sweeps { base, samples, widest_start: extent.widest_start, seed, tick }.all()?);
+        trials.extend(Sweeps { base, samples, extent, seed, tick }.all()?);
     }
     Ok(trials)
 }
@@ -45,7 +46,7 @@ pub fn sweeps(extent: &Extent, seed: u64, tick: Tick) -> Result<Vec<Trial>> {
 struct Sweeps<'a> {
     base: Setting,
     samples: u32,
-    widest_start: f64,
+    extent: &'a Extent,
     seed: u64,
     tick: Tick<'a>,
 }
@@ -77,6 +78,11 @@ impl Sweeps<'_> {
         fits(&Place::at(sweep, level), &self.base, scene, &SWEPT, &Quantity::MEDIUM)
     }
 
+    /// The same along a sweep of the camera.
+    fn fits_of_camera(&self, sweep: &'static str, level: f64, scene: &ObservedScene) -> Vec<Trial> {
+        fits(&Place::at(sweep, level), &self.base, scene, self.extent.of_camera, &Quantity::MEDIUM)
+    }
+
     /// The scene of `clean` with the usual noise.
     fn noisy(&self, setting: &Setting, clean: &Image) -> Result<ObservedScene> {
         setting.scene(with_noise(clean, NOISE * clean.mean(), self.seed), None)
@@ -94,7 +100,7 @@ impl Sweeps<'_> {
     fn starts(&self, clean: &Image) -> Result<Vec<Trial>> {
         let mut trials = Vec::new();
         for (i, sign) in [[1, 1], [1, -1], [-1, 1], [-1, -1]].into_iter().enumerate() {
-            let most = if sign == [1, 1] { self.widest_start } else { f64::INFINITY };
+            let most = if sign == [1, 1] { self.extent.widest_start } else { f64::INFINITY };
             for decades in [0.5, 1.0, 2.0].into_iter().filter(|&decades| decades <= most) {
                 let mut scene = self.noisy(&self.base, clean)?;
                 let [of_sigma_s, of_b] = sign.map(|sign| 10f64.powf(decades * f64::from(sign)));
@@ -107,7 +113,9 @@ impl Sweeps<'_> {
                 *options = options.started_at(|quantity| self.base.truth(quantity) * off(quantity));
                 let label = format!("sigma_s x {of_sigma_s:.3}, B x {of_b:.3}");
                 let place = Place { label, ..Place::at("start", decades + 10.0 * i as f64) };
-                trials.extend(fits(&place, &self.base, &scene, &SOLVED, &Quantity::MEDIUM));
+                let simplex = if decades <= self.extent.widest_simplex { &SIMPLEX[..] } else { &[] };
+                let methods = [&SOLVED[..], simplex].concat();
+                trials.extend(fits(&place, &self.base, &scene, &methods, &Quantity::MEDIUM));
             }
         }
         Ok(trials)

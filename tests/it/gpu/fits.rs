@@ -47,15 +47,15 @@ fn assert_same(name: &str, cpu: &ChannelFit, device: &ChannelFit) {
 
 #[test]
 fn fits_equal_those_of_the_cpu() {
-    let mask = Image::from_fn(96, 64, |x, y| if (x / 8 + y / 8) % 5 == 0 { 0.0 } else { 1.0 });
-    let variance = Image::from_fn(96, 64, |x, _| 2.5e-5 * (0.2 + x as f32 / 12.0).powi(2));
-    let plane = || Scene::new("plane", (96, 64), |_, _| 2.0);
+    let mask = Image::from_fn(64, 48, |x, y| if (x / 8 + y / 8) % 5 == 0 { 0.0 } else { 1.0 });
+    let variance = Image::from_fn(64, 48, |x, _| 2.5e-5 * (0.2 + x as f32 / 8.0).powi(2));
+    let plane = || Scene::new("plane", (64, 48), |_, _| 2.0);
     let uneven = Some(NoiseTerm::Variance(&variance));
     let cases = [
         ("a plane, all free", plane(), None, VeilTerm::Fixed(0.05), None),
         (
             "a slope, masked",
-            Scene::slope((96, 64), 96).composite(),
+            Scene::slope((64, 48), 64).composite(),
             Some(&mask),
             VeilTerm::Free(VeilField::Constant),
             None,

@@ -49,7 +49,7 @@ impl Sweeps<'_> {
 
     /// Fits of `image`, with the usual noise, seen in the base setting.
     fn seen(&self, sweep: &'static str, level: f64, image: &Image) -> Result<Vec<Trial>> {
-        Ok(self.fits(sweep, level, &self.noisy(&self.base, image)?))
+        Ok(self.fits_of_camera(sweep, level, &self.noisy(&self.base, image)?))
     }
 
     /// A clear image no larger than the view, though the object goes on for some pixels.
@@ -62,7 +62,7 @@ impl Sweeps<'_> {
             let image = self.trace(&whole)?.crop(inner);
             let mut scene = self.noisy(&self.base, &image)?;
             scene.scene.object[0].image = whole.texture.image(whole.side).crop(inner);
-            trials.extend(self.fits("object beyond the frame (px)", px as f64, &scene));
+            trials.extend(self.fits_of_camera("object beyond the frame (px)", px as f64, &scene));
         }
         Ok(trials)
     }
@@ -75,7 +75,7 @@ impl Sweeps<'_> {
             let object = &mut scene.scene.object[0].image;
             *object = with_noise(object, share * object.mean(), self.seed + 7);
             object.data.iter_mut().for_each(|v| *v = v.max(0.0));
-            trials.extend(self.fits("noise of the clear image", share, &scene));
+            trials.extend(self.fits_of_camera("noise of the clear image", share, &scene));
         }
         Ok(trials)
     }
@@ -84,21 +84,21 @@ impl Sweeps<'_> {
     fn without_a_fault(&self, clean: &Image) -> Result<Vec<Trial>> {
         let mut scene = self.noisy(&self.base, clean)?;
         scene.observation.gain = Gain::Free;
-        let mut trials = self.fits("free gain", 1.0, &scene);
+        let mut trials = self.fits_of_camera("free gain", 1.0, &scene);
         for px in [0.3, 0.5, 0.7] {
             let still = Image::filled(clean.width, clean.height, 0.0);
             let white = with_noise(&still, NOISE * clean.mean(), self.seed);
             let noise = blurred(&white, px);
             let data = clean.data.iter().zip(&noise.data).map(|(v, n)| v + n).collect();
             let scene = self.base.scene(Image { data, ..*clean }, None)?;
-            trials.extend(self.fits("noise filtered by (px)", px, &scene));
+            trials.extend(self.fits_of_camera("noise filtered by (px)", px, &scene));
         }
         let fine =
             Setting { side: 2 * self.base.side, pixel_pitch: 0.5 * self.base.pixel_pitch, ..self.base };
         let mut scene = self.noisy(&self.base, &binned(&self.trace(&fine)?))?;
         scene.scene.object[0].image = binned(&fine.texture.image(fine.side));
         scene.scene.sampling_is_known = false;
-        trials.extend(self.fits("texels a pixel", 2.0, &scene));
+        trials.extend(self.fits_of_camera("texels a pixel", 2.0, &scene));
         Ok(trials)
     }
 }
