@@ -1,7 +1,8 @@
 //! `narrowbeam calibrate`: whether the error bars contain the truth as often as they should.
 
+use super::aligned;
+use super::console::say;
 use super::progress::Progress;
-use super::{aligned, say};
 use crate::io::atomic;
 use crate::lab::study::calibration::cases;
 use anyhow::Result;
@@ -22,7 +23,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
-    atomic::create_dir(&arguments.out)?;
+    let _folder = atomic::create_dir(&arguments.out)?;
     let file = arguments.out.join("calibration.csv");
     atomic::check_writable(&file)?;
     let (cases, draws) = (cases()?, arguments.draws as usize);
@@ -61,6 +62,6 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     drop(progress);
     let csv: String = rows.iter().map(|row| row.join(",").replace(", ", "; ") + "\n").collect();
     atomic::write(&file, csv.as_bytes())?;
-    say(&aligned(&rows))?;
+    say(&aligned(&rows));
     Ok(ExitCode::SUCCESS)
 }

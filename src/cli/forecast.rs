@@ -1,9 +1,10 @@
 //! `narrowbeam forecast`: the predicted errors of a planned measurement.
 
 use super::backend::Chosen;
+use super::console::{say, say_json, warn};
 use super::options::{MediumOptions, RenderOptions, positive};
 use super::progress::Progress;
-use super::{UNDETERMINED, aligned, say};
+use super::{UNDETERMINED, aligned};
 use crate::fit::{Plan, Settings, forecast};
 use crate::geometry::path_lengths;
 use crate::scene::Scene;
@@ -54,13 +55,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let remarks = report.remarks().into_iter().filter(|line| !line.starts_with("chi²"));
     let text = remarks.fold(aligned(&report.table("1/length")), |text, line| text + &line + "\n");
     if arguments.json {
-        eprint!("{text}");
-        say(&format!("{}\n", serde_json::to_string_pretty(report)?))?;
+        say_json(&serde_json::to_string_pretty(report)?, &text);
     } else {
-        say(&text)?;
+        say(&text);
     }
     for warning in &report.warnings {
-        eprintln!("warning ({}): {}", warning.code, warning.message);
+        warn(&format!("warning ({}): {}", warning.code, warning.message));
     }
     Ok(if report.is_complete() { ExitCode::SUCCESS } else { ExitCode::from(UNDETERMINED) })
 }

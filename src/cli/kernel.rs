@@ -5,10 +5,10 @@ mod curves;
 mod summary;
 mod tables;
 
+use super::console::{say, warn};
 use super::errors::Usage;
 use super::options::{non_negative, positive};
 use super::progress::Progress;
-use super::say;
 use crate::error::{Result, in_range};
 use crate::io::atomic;
 use crate::medium::Medium;
@@ -96,7 +96,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let mut kernels = Vec::new();
     for model in Model::ALL.into_iter().filter(|m| any || arguments.models.contains(m)) {
         match model.kernel(&setting.medium, setting.z) {
-            Err(end) if any && end.is_about_model() => eprintln!("{model} is left out: {end}"),
+            Err(end) if any && end.is_about_model() => warn(&format!("{model} is left out: {end}")),
             kernel => kernels.push((model, kernel?)),
         }
     }
@@ -105,14 +105,14 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         .iter()
         .map(|(m, kernel)| Curve::of_kernel(*m, &**kernel, &grid))
         .collect::<Result<Vec<_>>>()?;
-    atomic::create_dir(&arguments.out)?;
+    let _folder = atomic::create_dir(&arguments.out)?;
     atomic::check_writable(&arguments.out.join(tables::KERNEL))?;
 
     let traced = traced(arguments, &setting, &grid)?;
     curves.extend(traced.iter().map(|profile| Curve::of_profile(profile, &grid)));
     tables::write(&arguments.out, &grid, &curves)?;
     charts::write(&arguments.out, &setting, &grid, &curves)?;
-    say(&summary::text(&setting, &kernels, traced.as_ref()))?;
+    say(&summary::text(&setting, &kernels, traced.as_ref()));
     Ok(ExitCode::SUCCESS)
 }
 

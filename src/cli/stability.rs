@@ -2,8 +2,9 @@
 
 mod pictures;
 
+use super::aligned;
+use super::console::say;
 use super::progress::Progress;
-use super::{aligned, say};
 use crate::fit::WarningCode;
 use crate::forward::Quantity;
 use crate::io::atomic;
@@ -30,7 +31,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
-    atomic::create_dir(&arguments.out)?;
+    let _folder = atomic::create_dir(&arguments.out)?;
     let file = arguments.out.join("stability.csv");
     for name in pictures::FILES {
         atomic::check_writable(&arguments.out.join(name))?;
@@ -50,7 +51,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
         "{}{silent} of {fits} fits failed silently; {false_alarms} of {right} that are right, inside their model's range and with \
          a scene file that is right, carry a warning\n",
         aligned(&summary(&trials))
-    ))?;
+    ));
     Ok(ExitCode::SUCCESS)
 }
 

@@ -10,6 +10,7 @@ mod estimate;
 mod exposure;
 mod identified;
 mod number;
+mod provenance;
 mod regime;
 mod summary;
 mod text;
@@ -22,6 +23,7 @@ pub use diagnosis::DiagnosisReport;
 pub use estimate::{Estimate, Ways};
 pub use exposure::{ExposureReport, RegistrationErrors, RegistrationReport, Term};
 pub use identified::{AdviceReport, Determined};
+pub use provenance::{InputFile, Provenance, ResolvedSettings};
 pub use regime::Regime;
 pub use summary::{Summary, TracedSummary};
 pub use warning::{Severity, Warning, WarningCode};
@@ -62,6 +64,12 @@ pub struct Fit {
     pub start: IndexMap<String, Option<f64>>,
     /// The command line, if there was one.
     pub command: Option<String>,
+    /// Where the report comes from, if the program made it.
+    #[serde(default)]
+    pub provenance: Option<Provenance>,
+    /// The other files of the set of results, by name, with their SHA-256 as hexadecimal digits; empty if nothing was written.
+    #[serde(default)]
+    pub files: IndexMap<String, String>,
     /// Combinations of the parameters that the data determine where they leave one open, or hold two only together.
     pub determined: Vec<Determined>,
     /// Which measurement would free what is undetermined, the best first; empty if nothing is.
