@@ -61,7 +61,8 @@ pub(super) fn warn(line: &str) {
     write(&mut io::stderr(), &format!("{line}\n"));
 }
 
-fn print(text: &str) {
+/// Prints what programs read, whatever the level.
+pub(super) fn print(text: &str) {
     if let Some(error) = write(&mut io::stdout(), text) {
         warn(&format!("narrowbeam: standard output: cannot be written: {error}"));
     }

@@ -72,9 +72,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let chosen = Chosen::new(arguments.rendering.backend, of, [CONFIRMING_RENDERS, TYPICAL_RENDERS])?;
     check_scenes(&scenes, &settings_of(arguments, &chosen))?;
     let inputs = scenes.iter().flat_map(|observed| observed.scene.files.clone()).collect::<Vec<_>>();
+    record::tell_inputs(&inputs);
     let results = begin(arguments, scenes.len(), &inputs)?;
     let read = record::inputs(&inputs);
-    detail(|| format!("computing on {}", chosen.describe()));
+    detail(|| format!("computing on {}, to be written to {}", chosen.describe(), arguments.out.display()));
     let mut fit = estimate(arguments, &scenes, &chosen)?;
     add_intervals(arguments, &scenes, &chosen, &mut fit)?;
     advise(arguments, &scenes, &chosen, &mut fit)?;

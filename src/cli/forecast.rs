@@ -4,6 +4,7 @@ use super::backend::Chosen;
 use super::console::{say, say_json, warn};
 use super::options::{MediumOptions, RenderOptions, positive};
 use super::progress::Progress;
+use super::record::tell_inputs;
 use super::{UNDETERMINED, aligned};
 use crate::fit::{Plan, Settings, forecast};
 use crate::geometry::path_lengths;
@@ -37,6 +38,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let scenes = arguments.scenes.iter().map(|path| Scene::read(path)).collect::<crate::Result<Vec<_>>>()?;
+    scenes.iter().for_each(|scene| tell_inputs(&scene.files));
     let media = scenes[0].media(arguments.medium.values())?;
     let chosen = Chosen::new(arguments.rendering.backend, &scenes, [1, 2])?;
     let geometries: Vec<_> = scenes.iter().map(|scene| (&scene.geometry, &scene.object[0].image)).collect();

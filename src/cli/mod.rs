@@ -4,6 +4,7 @@ mod backend;
 mod calibrate;
 mod chart;
 mod console;
+mod documents;
 mod errors;
 mod fit;
 mod forecast;
@@ -23,7 +24,7 @@ mod synthesize;
 mod table;
 mod trace;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use console::Level;
 use std::process::ExitCode;
 
@@ -67,6 +68,10 @@ enum Command {
     Chart(chart::Arguments),
     /// Make a table behind the model wide-angle from scratch
     Table(table::Arguments),
+    /// Print the completions of a shell: narrowbeam completions bash > /etc/bash_completion.d/narrowbeam
+    Completions(documents::Completions),
+    /// Print a manual page: narrowbeam man fit | man -l -
+    Man(documents::Man),
 }
 
 /// The rows of a table as lines, in columns.
@@ -108,5 +113,7 @@ fn run(command: Command) -> anyhow::Result<ExitCode> {
         Command::Stability(arguments) => stability::run(&arguments),
         Command::Chart(arguments) => chart::run(&arguments),
         Command::Table(arguments) => table::run(&arguments),
+        Command::Completions(arguments) => documents::completions(&arguments, Arguments::command()),
+        Command::Man(arguments) => documents::man(&arguments, Arguments::command()),
     }
 }

@@ -1,5 +1,6 @@
 //! Outputs that would destroy what a command reads are refused before any work.
 
+use super::console::detail;
 use crate::error::{Error, Result};
 use crate::io::{atomic, identity};
 use std::path::{Path, PathBuf};
@@ -9,6 +10,7 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// [`Error::Protected`] or [`Error::Write`] with the path.
 pub(super) fn check(output: &Path, inputs: &[PathBuf]) -> Result<()> {
+    detail(|| format!("to be written: {}", output.display()));
     spare(output, inputs, "write elsewhere, or move it away first")?;
     atomic::check_writable(output)
 }

@@ -1,5 +1,6 @@
 //! What the files that a command writes say of how they were made.
 
+use super::console::detail;
 use super::results::sha256;
 use crate::fit::InputFile;
 use crate::medium::Medium;
@@ -37,6 +38,11 @@ pub(super) fn record_of(media: &[Medium]) -> Vec<(String, String)> {
         (parameter, each(|m| m.phase().parameter())),
     ];
     pairs.map(|(key, value)| (key.to_string(), value)).to_vec()
+}
+
+/// Tells which files are read, if that is wanted.
+pub(super) fn tell_inputs(paths: &[PathBuf]) {
+    paths.iter().for_each(|path| detail(|| format!("reading {}", path.display())));
 }
 
 /// The files at `paths`, each once, with their SHA-256.

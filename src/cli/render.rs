@@ -6,7 +6,7 @@ use super::errors::Usage;
 use super::options::{MediumOptions, RenderOptions, TracingOptions, exr_or_png, has_extension};
 use super::outputs;
 use super::progress::Progress;
-use super::record::{provenance, record_of};
+use super::record::{provenance, record_of, tell_inputs};
 use crate::filter::{CUT, Filter, Target};
 use crate::forward::Engine;
 use crate::geometry::path_lengths;
@@ -43,6 +43,7 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     arguments.tracing.check(&arguments.rendering)?;
     let scene = Scene::read(&arguments.scene)?;
+    tell_inputs(&scene.files);
     let media = scene.media(arguments.medium.values())?;
     check_outputs(arguments, &scene.files)?;
     let chosen = Chosen::new(arguments.rendering.backend, [&scene], [1, 1])?;

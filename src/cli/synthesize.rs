@@ -7,7 +7,7 @@ use super::names::WantedModel;
 use super::options::{MediumOptions, RenderOptions, exr_or_png, has_extension, validity};
 use super::outputs;
 use super::progress::Progress;
-use super::record::{provenance, record_of};
+use super::record::{provenance, record_of, tell_inputs};
 use crate::filter::CUT;
 use crate::geometry::median;
 use crate::image::Channel;
@@ -42,6 +42,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let lit = LitScene::read(&arguments.scene)?;
+    tell_inputs(&lit.scene.files);
     let media = lit.scene.media(arguments.medium.values())?;
     outputs::check(&arguments.output, &lit.scene.files)?;
     if let Some(path) = &arguments.parts {

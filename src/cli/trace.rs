@@ -4,7 +4,7 @@ use super::console::say;
 use super::options::MediumOptions;
 use super::outputs;
 use super::progress::Progress;
-use super::record::{provenance, record_of};
+use super::record::{provenance, record_of, tell_inputs};
 use crate::image::{Channel, Image};
 use crate::io::exr;
 use crate::medium::Medium;
@@ -34,6 +34,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let scene = Scene::read(&arguments.scene)?;
+    tell_inputs(&scene.files);
     let media = scene.media(arguments.medium.values())?;
     outputs::check(&arguments.output, &scene.files)?;
 
