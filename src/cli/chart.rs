@@ -5,7 +5,7 @@ mod points;
 mod tables;
 
 use super::aligned;
-use super::console::{note, say, without_loader_noise};
+use super::console::{answer, note, without_loader_noise};
 use super::outputs;
 use super::progress::Progress;
 use crate::error::Error;
@@ -36,6 +36,9 @@ pub(super) struct Arguments {
     /// Fewer runs, coarser traced images: a look in seconds
     #[arg(long)]
     quick: bool,
+    /// Print the numbers as JSON, alone on stdout
+    #[arg(long)]
+    json: bool,
 }
 
 /// Planes and depth maps, narrow and wide: the datasets by default.
@@ -80,7 +83,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     tables::write(&arguments.out, &charted, arguments.clock)?;
     let adapter = gpu.as_ref().ok().map(|gpu| gpu.adapter().to_string());
     pictures::write(&arguments.out, &charted, arguments.clock, adapter.as_deref())?;
-    say(&aligned(&tables::fronts(&charted, arguments.clock)));
+    let fronts = tables::fronts(&charted, arguments.clock);
+    answer(arguments.json, &fronts, &aligned(&tables::rows(&fronts, arguments.clock)))?;
     Ok(ExitCode::SUCCESS)
 }
 

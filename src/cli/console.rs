@@ -3,6 +3,7 @@
 //! A stream that is closed, or full, changes nothing of what a command does, nor of how it ends. Of one that is full the other
 //! stream tells.
 
+use serde::Serialize;
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicU8, Ordering};
 
@@ -34,8 +35,18 @@ pub(super) fn say(text: &str) {
     }
 }
 
+/// Prints the result of a command: `text` for people or, if `json` is asked for, `numbers` for programs beside it.
+pub(super) fn answer(json: bool, numbers: &impl Serialize, text: &str) -> serde_json::Result<()> {
+    if json {
+        say_json(&serde_json::to_string_pretty(numbers)?, text);
+    } else {
+        say(text);
+    }
+    Ok(())
+}
+
 /// Prints what programs read, whatever the level, alone on standard output; the `text` for people goes to standard error.
-pub(super) fn say_json(json: &str, text: &str) {
+fn say_json(json: &str, text: &str) {
     if tells(Level::Normal) {
         write(&mut io::stderr(), text);
     }

@@ -3,7 +3,7 @@
 mod files;
 
 use super::backend::Chosen;
-use super::console::{detail, note, say, say_json, warn};
+use super::console::{self, detail, note, warn};
 use super::errors::{Usage, answer};
 use super::names::WantedModel;
 use super::options::{RenderOptions, TracingOptions, non_negative, positive};
@@ -234,11 +234,7 @@ fn print(arguments: &Arguments, fit: &SceneFit, chosen: &Chosen) -> Result<()> {
     report.remarks().iter().for_each(|line| text += &format!("{line}\n"));
     text += &format!("{}\n", how_it_went(arguments, fit, chosen));
     report.candidates.iter().for_each(|candidate| text += &format!("{}\n", candidate.line()));
-    if arguments.json {
-        say_json(&serde_json::to_string_pretty(report)?, &text);
-    } else {
-        say(&text);
-    }
+    console::answer(arguments.json, report, &text)?;
     for warning in &report.warnings {
         let severity = if warning.severity == Severity::Invalid { "invalid" } else { "warning" };
         warn(&format!("{severity} ({}): {}{}", warning.code, warning.message, answer(warning.code)));

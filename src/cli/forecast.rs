@@ -1,7 +1,7 @@
 //! `narrowbeam forecast`: the predicted errors of a planned measurement.
 
 use super::backend::Chosen;
-use super::console::{say, say_json, warn};
+use super::console::{self, warn};
 use super::options::{MediumOptions, RenderOptions, positive};
 use super::progress::Progress;
 use super::record::tell_inputs;
@@ -56,11 +56,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     // The images are noiseless: their chi² means nothing.
     let remarks = report.remarks().into_iter().filter(|line| !line.starts_with("chi²"));
     let text = remarks.fold(aligned(&report.table("1/length")), |text, line| text + &line + "\n");
-    if arguments.json {
-        say_json(&serde_json::to_string_pretty(report)?, &text);
-    } else {
-        say(&text);
-    }
+    console::answer(arguments.json, report, &text)?;
     for warning in &report.warnings {
         warn(&format!("warning ({}): {}", warning.code, warning.message));
     }

@@ -2,10 +2,11 @@
 
 mod charts;
 mod curves;
+mod numbers;
 mod summary;
 mod tables;
 
-use super::console::{say, warn};
+use super::console::{answer, warn};
 use super::errors::Usage;
 use super::options::{non_negative, positive};
 use super::progress::Progress;
@@ -16,6 +17,7 @@ use crate::phase::{Family, Phase, PhaseFunction, b_of_spread_angle};
 use crate::spread::Model;
 use crate::trace::{RadialConfig, RadialProfile, trace_radial};
 use curves::{Curve, Grid};
+use numbers::Summary;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -44,6 +46,9 @@ pub(super) struct Arguments {
     /// Directory to write kernel.csv, mtf.csv and their pictures to; made if necessary
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    /// Print the numbers as JSON, alone on stdout
+    #[arg(long)]
+    json: bool,
 }
 
 /// The phase function, by exactly one of its parameters.
@@ -112,7 +117,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     curves.extend(traced.iter().map(|profile| Curve::of_profile(profile, &grid)));
     tables::write(&arguments.out, &grid, &curves)?;
     charts::write(&arguments.out, &setting, &grid, &curves)?;
-    say(&summary::text(&setting, &kernels, traced.as_ref()));
+    let summary = Summary::new(&setting, &kernels, traced.as_ref());
+    answer(arguments.json, &summary, &summary::text(&setting, &kernels, traced.as_ref()))?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -3,7 +3,7 @@
 //! Nodes are independent, each with its own seed, and are written as they are done; a run that was killed continues
 //! from the last one.
 
-use super::console::say;
+use super::console::answer;
 use super::progress::Progress;
 use super::record::provenance;
 use crate::error::{Error, Result};
@@ -13,6 +13,7 @@ use crate::phase::Family;
 use crate::spread::wide_angle::layout::Layout;
 use crate::spread::wide_angle::table::Table;
 use rayon::prelude::*;
+use serde::Serialize;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -36,6 +37,16 @@ pub(super) struct Arguments {
     /// Table to write; until it is complete, FILE.part
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+    /// Print the numbers as JSON, alone on stdout
+    #[arg(long)]
+    json: bool,
+}
+
+/// What was made.
+#[derive(Debug, Serialize)]
+struct Made {
+    nodes: usize,
+    bytes: usize,
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
@@ -75,7 +86,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     atomic::write(&arguments.out, &bytes)?;
     atomic::remove(&part)?;
     drop(progress);
-    say(&format!("{}: {} nodes, {} bytes\n", arguments.out.display(), places.len(), bytes.len()));
+    let made = Made { nodes: places.len(), bytes: bytes.len() };
+    let text = format!("{}: {} nodes, {} bytes\n", arguments.out.display(), made.nodes, made.bytes);
+    answer(arguments.json, &made, &text)?;
     Ok(ExitCode::SUCCESS)
 }
 

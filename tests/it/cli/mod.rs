@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod chart;
+mod documents;
 mod fit;
 #[cfg(unix)]
 mod killed;
