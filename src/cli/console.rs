@@ -118,6 +118,14 @@ mod caught {
             dup2_stderr(&caught).ok()?;
             Some(Self { real, caught })
         }
+
+        /// What was caught so far, without the noise.
+        fn text(&mut self) -> String {
+            let mut text = Vec::new();
+            let _ = self.caught.rewind().and_then(|()| self.caught.read_to_end(&mut text));
+            let text = String::from_utf8_lossy(&text);
+            text.lines().filter(|line| !line.contains(NOISE)).map(|line| format!("{line}\n")).collect()
+        }
     }
 
     impl Drop for Stderr {
@@ -125,9 +133,24 @@ mod caught {
             if dup2_stderr(&self.real).is_err() {
                 return;
             }
-            let mut text = String::new();
-            let _ = self.caught.rewind().and_then(|()| self.caught.read_to_string(&mut text));
-            text.lines().filter(|line| !line.contains(NOISE)).for_each(super::warn);
+            let text = self.text();
+            super::write(&mut io::stderr(), &text);
+        }
+    }
+
+    #[cfg(test)]
+    mod tests {
+        use super::*;
+        use std::io::Write;
+
+        #[test]
+        fn the_loader_is_silenced_and_nobody_else() {
+            let mut caught = Stderr::catch().unwrap();
+            let lines = "error: XDG_RUNTIME_DIR is invalid or not set in the environment.\nof another kind\n";
+            io::stderr().write_all(lines.as_bytes()).unwrap();
+            let text = caught.text();
+            drop(caught);
+            assert!(text.contains("of another kind") && !text.contains(NOISE), "{text}");
         }
     }
 }

@@ -7,16 +7,17 @@ use crate::error::Error;
 use rayon::{ThreadBuilder, ThreadPool, ThreadPoolBuilder};
 use std::io;
 
-/// More than this do not compute faster on any machine, and take long to start.
-const MOST: usize = 1024;
+/// As many threads as may be asked for on any machine; more than cores are of no use, and slow down each other.
+const MOST: usize = 64;
 
 /// Stack of a thread, bytes: that of a main thread.
 const STACK: usize = 8 << 20;
 
-/// How many threads are asked for; 0: as many as cores.
+/// How many threads are asked for, as far as that is sensible; 0: as many as cores.
 fn wanted() -> usize {
     let asked = std::env::var("RAYON_NUM_THREADS").ok().and_then(|text| text.trim().parse::<usize>().ok());
-    asked.unwrap_or(0).min(MOST)
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    asked.unwrap_or(0).min(cores.max(MOST))
 }
 
 /// Does `work` with as many threads as are wanted, or with one if the system starts no more.

@@ -53,7 +53,7 @@ impl Results {
     ) -> Result<Self> {
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         let failed = |source| Error::Write { path: folder.to_path_buf(), source };
-        let exists = fs::metadata(folder).is_ok();
+        let exists = fs::symlink_metadata(folder).is_ok();
         let parent = folder.parent().unwrap_or(Path::new(""));
         let made = atomic::create_dir(if exists { folder } else { parent })?;
         let owned = Owned::read(folder);

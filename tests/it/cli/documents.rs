@@ -24,7 +24,7 @@ fn shells_and_manuals_know_the_commands_and_their_options() {
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
         let run = shop.run(&format!("completions {shell}"));
         assert!(run.code == 0 && run.stderr.is_empty());
-        for word in COMMANDS.into_iter().chain(["hidden-share", "small-angle"]) {
+        for word in COMMANDS.into_iter().chain(["hidden-share"]) {
             assert!(run.stdout.contains(word), "{shell} does not know {word}");
         }
     }

