@@ -32,6 +32,14 @@ pub enum Error {
         /// What the operating system said.
         source: std::io::Error,
     },
+    /// An output that would destroy what has to stay.
+    #[error("{path}: {why}")]
+    Protected {
+        /// The file.
+        path: PathBuf,
+        /// Why it has to stay.
+        why: String,
+    },
     /// An image without the channel that is needed.
     #[error("{path}: has no channel {wanted}; it holds {found}")]
     MissingChannel {
@@ -131,6 +139,11 @@ pub enum Error {
     #[cfg(feature = "gpu")]
     #[error("{0}")]
     Gpu(String),
+    /// Threads that the system does not start.
+    #[error(
+        "no thread can be started to compute with: {0}; raise the limit of processes (ulimit -u), or set RAYON_NUM_THREADS to fewer"
+    )]
+    Threads(String),
     /// A computation that produced a number that is not finite.
     #[error("{0}")]
     NotFinite(String),
@@ -159,13 +172,29 @@ impl Error {
     /// True where the user's input or usage is to blame, false where the machine is (disk full, say).
     pub fn is_usage(&self) -> bool {
         match self {
-            Error::Write { source, .. } => source.kind() != std::io::ErrorKind::StorageFull,
+            Error::Write { source, .. } => is_of_the_path(source.kind()),
             #[cfg(feature = "gpu")]
             Error::Gpu(_) => false,
-            Error::NotFinite(_) => false,
+            Error::NotFinite(_) | Error::Threads(_) => false,
             _ => true,
         }
     }
+}
+
+/// Whether an error of writing is answered by another path, not by a disk with more space.
+fn is_of_the_path(kind: std::io::ErrorKind) -> bool {
+    use std::io::ErrorKind as Kind;
+    matches!(
+        kind,
+        Kind::NotFound
+            | Kind::PermissionDenied
+            | Kind::AlreadyExists
+            | Kind::IsADirectory
+            | Kind::NotADirectory
+            | Kind::ReadOnlyFilesystem
+            | Kind::InvalidInput
+            | Kind::InvalidFilename
+    )
 }
 
 /// Returns `value` if `ok`, else [`Error::OutOfRange`]. NaN fails every comparison, so it fails here.

@@ -101,6 +101,9 @@
 //! | `lab` | `lab`: studies, the paper's experiments, tables of kernels |
 //! | `cli` | `cli`, and the program `narrowbeam`, which needs all others |
 
+// Streams belong to the program; tests print what they assert.
+#![cfg_attr(not(test), deny(clippy::print_stdout, clippy::print_stderr))]
+
 mod chebyshev;
 #[cfg(feature = "cli")]
 pub mod cli;

@@ -5,6 +5,7 @@
 //! is returned needs no further checks.
 
 mod background;
+mod files;
 mod fit_options;
 mod format;
 mod illumination;
@@ -31,6 +32,8 @@ use std::path::PathBuf;
 pub struct Scene {
     /// The scene file.
     pub path: PathBuf,
+    /// All that may be read for it: the scene file and every file that it names, as far as they exist.
+    pub files: Vec<PathBuf>,
     /// Clear radiance of the object, one channel or R, G, B; its reflectance in a [`LitScene`] with `shading`.
     pub object: Vec<Channel>,
     /// For each of these channels, the clear radiance of each further layer, nearest first.

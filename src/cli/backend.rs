@@ -1,5 +1,6 @@
 //! `--backend`: where to compute, and why there.
 
+use super::console::without_loader_noise;
 use crate::error::Result;
 use crate::filter::Backend;
 use crate::gpu::{Gpu, adapters};
@@ -41,7 +42,9 @@ impl Chosen {
         let cpu = |reason: String| Ok(Self { gpu: None, reason });
         match wanted {
             Wanted::Cpu => return cpu("as asked".into()),
-            Wanted::Gpu => return Ok(Self { gpu: Some(Gpu::open()?), reason: "as asked".into() }),
+            Wanted::Gpu => {
+                return Ok(Self { gpu: Some(without_loader_noise(Gpu::open)?), reason: "as asked".into() });
+            }
             Wanted::Auto => (),
         }
         let seconds = scenes.into_iter().map(|scene| seconds(scene, evaluations)).sum::<f64>();
@@ -50,14 +53,14 @@ impl Chosen {
                 "about {seconds:.1} s of work, less than {WORTHWHILE_SECONDS} s for which a graphics adapter is opened"
             ));
         }
-        let Some(best) = adapters().into_iter().next() else {
+        let Some(best) = without_loader_noise(adapters).into_iter().next() else {
             return cpu("there is no graphics adapter".into());
         };
         if best.software {
             return cpu(format!("the only graphics adapter is {best}, slower than the CPU that it runs on"));
         }
         let reason = format!("about {seconds:.0} s of work for the CPU");
-        match best.open() {
+        match without_loader_noise(|| best.open()) {
             Ok(gpu) => Ok(Self { gpu: Some(gpu), reason }),
             Err(e) => cpu(e.to_string()),
         }

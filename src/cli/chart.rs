@@ -4,8 +4,10 @@ mod pictures;
 mod points;
 mod tables;
 
+use super::aligned;
+use super::console::{answer, note, without_loader_noise};
+use super::outputs;
 use super::progress::Progress;
-use super::{aligned, say};
 use crate::error::Error;
 use crate::filter::Backend;
 use crate::gpu::Gpu;
@@ -34,6 +36,9 @@ pub(super) struct Arguments {
     /// Fewer runs, coarser traced images: a look in seconds
     #[arg(long)]
     quick: bool,
+    /// Print the numbers as JSON, alone on stdout
+    #[arg(long)]
+    json: bool,
 }
 
 /// Planes and depth maps, narrow and wide: the datasets by default.
@@ -51,18 +56,21 @@ const PEER: &str = "docs/peer";
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let sets =
         arguments.datasets.iter().map(|folder| Dataset::read(folder)).collect::<crate::Result<Vec<_>>>()?;
-    let peers = sets
-        .iter()
-        .map(|set| trajectory(arguments.peer.as_deref(), set))
-        .collect::<crate::Result<Vec<_>>>()?;
-    atomic::create_dir(&arguments.out)?;
+    let peer = arguments.peer.as_deref();
+    let peers = sets.iter().map(|set| trajectory(peer, set)).collect::<crate::Result<Vec<_>>>()?;
+    let of = |(set, folder): (&Dataset, &PathBuf)| {
+        let others = [folder.join("truth.toml"), trajectory_path(peer, set)];
+        set.scene().files.iter().cloned().chain(others).collect::<Vec<_>>()
+    };
+    let inputs: Vec<PathBuf> = sets.iter().zip(&arguments.datasets).flat_map(of).collect();
+    let _folder = atomic::create_dir(&arguments.out)?;
     for name in tables::FILES.iter().chain(&pictures::FILES) {
-        atomic::check_writable(&arguments.out.join(name))?;
+        outputs::check(&arguments.out.join(name), &inputs)?;
     }
     let effort = if arguments.quick { Effort::quick() } else { Effort::full() };
-    let gpu = Gpu::open();
+    let gpu = without_loader_noise(Gpu::open);
     if let Err(error) = &gpu {
-        eprintln!("on the CPU alone: {error}");
+        note(&format!("on the CPU alone: {error}"));
     }
     let mut backends = vec![Backend::Cpu];
     backends.extend(gpu.as_ref().ok().map(Backend::Gpu));
@@ -75,16 +83,20 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     tables::write(&arguments.out, &charted, arguments.clock)?;
     let adapter = gpu.as_ref().ok().map(|gpu| gpu.adapter().to_string());
     pictures::write(&arguments.out, &charted, arguments.clock, adapter.as_deref())?;
-    say(&aligned(&tables::fronts(&charted, arguments.clock)))?;
+    let fronts = tables::fronts(&charted, arguments.clock);
+    answer(arguments.json, &fronts, &aligned(&tables::rows(&fronts, arguments.clock)))?;
     Ok(ExitCode::SUCCESS)
 }
 
 /// The trajectory of the peer on `set`; empty if there is none. A directory that is `named` must exist.
 fn trajectory(named: Option<&Path>, set: &Dataset) -> crate::Result<Vec<Step>> {
-    let dir = named.unwrap_or(Path::new(PEER));
-    if named.is_some() && !dir.is_dir() {
+    if let Some(dir) = named.filter(|dir| !dir.is_dir()) {
         return Err(Error::Read { path: dir.to_path_buf(), reason: "--peer: is no directory".into() });
     }
-    let path = dir.join(format!("{}.csv", set.name));
+    let path = trajectory_path(named, set);
     if path.exists() { read_trajectory(&path, set) } else { Ok(Vec::new()) }
+}
+
+fn trajectory_path(named: Option<&Path>, set: &Dataset) -> PathBuf {
+    named.unwrap_or(Path::new(PEER)).join(format!("{}.csv", set.name))
 }

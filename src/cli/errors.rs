@@ -1,5 +1,6 @@
 //! What the command line adds to errors: the options concerned, and the exit code.
 
+use super::console::warn;
 use crate::error::Error;
 use crate::fit::WarningCode;
 use std::process::ExitCode;
@@ -14,11 +15,11 @@ pub(super) struct Usage(pub String);
 
 /// Prints `error` with the options concerned, and returns the exit code.
 pub(super) fn report(error: &anyhow::Error) -> ExitCode {
-    eprintln!("narrowbeam: {}", worded(error));
+    warn(&format!("narrowbeam: {}", worded(error)));
     match error.downcast_ref::<Error>() {
         Some(ours) if ours.is_usage() => ExitCode::from(USAGE),
         Some(Error::Write { .. }) => {
-            eprintln!("free some space, or write elsewhere, and run the same command again");
+            warn("free some space, or write elsewhere, and run the same command again");
             ExitCode::FAILURE
         }
         _ if error.is::<Usage>() => ExitCode::from(USAGE),

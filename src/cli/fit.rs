@@ -3,23 +3,24 @@
 mod files;
 
 use super::backend::Chosen;
+use super::console::{self, detail, note, warn};
 use super::errors::{Usage, answer};
 use super::names::WantedModel;
-use super::options::{RenderOptions, TracingOptions, non_negative, positive, provenance};
+use super::options::{RenderOptions, TracingOptions, non_negative, positive};
 use super::progress::Progress;
-use super::{UNDETERMINED, aligned, say};
+use super::record;
+use super::results::{REPORT, Results};
+use super::{UNDETERMINED, aligned};
 use crate::error::Error;
 use crate::fit::{
-    ChannelFit, Draws, Method, SceneFit, Settings, Severity, Ways, add_advice, bootstrap, check_scenes,
-    filter_is_weak, fit_scenes, free_camera, leave_out_tracing, profile, select, trace_instead,
-    tracing_seconds,
+    ChannelFit, Draws, Fit, InputFile, Method, Provenance, ResolvedSettings, SceneFit, Settings, Severity,
+    Ways, add_advice, bootstrap, check_scenes, filter_is_weak, fit_scenes, free_camera, leave_out_tracing,
+    profile, select, trace_instead, tracing_seconds,
 };
-use crate::io::atomic;
 use crate::scene::ObservedScene;
 use crate::spread::Model;
 use anyhow::Result;
-use files::{OUTPUTS, output, write};
-use std::io::Write;
+use files::{HIDDEN_SHARE, OUTPUTS, output, write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -71,21 +72,54 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let of = scenes.iter().map(|observed| &observed.scene);
     let chosen = Chosen::new(arguments.rendering.backend, of, [CONFIRMING_RENDERS, TYPICAL_RENDERS])?;
     check_scenes(&scenes, &settings_of(arguments, &chosen))?;
-    atomic::create_dir(&arguments.out)?;
-    for i in 0..scenes.len() {
-        for (name, kind) in OUTPUTS {
-            atomic::check_writable(&output(arguments, scenes.len(), i, name, kind))?;
-        }
-    }
-    atomic::check_writable(&arguments.out.join("fit.json"))?;
+    let inputs = scenes.iter().flat_map(|observed| observed.scene.files.clone()).collect::<Vec<_>>();
+    record::tell_inputs(&inputs);
+    let results = begin(arguments, scenes.len(), &inputs)?;
+    let read = record::inputs(&inputs);
+    detail(|| format!("computing on {}, to be written to {}", chosen.describe(), arguments.out.display()));
     let mut fit = estimate(arguments, &mut scenes, &chosen)?;
     add_intervals(arguments, &scenes, &chosen, &mut fit)?;
     advise(arguments, &scenes, &chosen, &mut fit)?;
     fit.report.backend.reason = Some(chosen.reason.clone());
-    fit.report.command = provenance().into_iter().find(|(key, _)| key == "command").map(|(_, value)| value);
-    write(arguments, &scenes, &fit, &chosen)?;
+    fit.report.command = Some(record::arguments().join(" "));
+    fit.report.provenance = Some(provenance(arguments, &fit.report, read));
+    write(arguments, &results, &scenes, &mut fit, &chosen)?;
+    results.commit()?;
     print(arguments, &fit, &chosen)?;
     Ok(if fit.report.is_complete() { ExitCode::SUCCESS } else { ExitCode::from(UNDETERMINED) })
+}
+
+/// Begins the set of results, which must not destroy what the fit reads.
+fn begin(arguments: &Arguments, scenes: usize, inputs: &[PathBuf]) -> crate::Result<Results> {
+    let of =
+        |(name, kind): (&str, &str)| (0..scenes).map(|i| output(scenes, i, name, kind)).collect::<Vec<_>>();
+    let mut names: Vec<String> = OUTPUTS.into_iter().flat_map(of).collect();
+    names.push(REPORT.into());
+    Results::begin(&arguments.out, names, &of(HIDDEN_SHARE), inputs)
+}
+
+fn provenance(arguments: &Arguments, report: &Fit, inputs: Vec<InputFile>) -> Provenance {
+    Provenance {
+        version: report.version.clone(),
+        date: record::now(),
+        working_directory: std::env::current_dir().ok().map(|here| here.display().to_string()),
+        arguments: record::arguments(),
+        settings: ResolvedSettings {
+            model: report.model.clone(),
+            filter: report.filter.clone(),
+            backend: report.backend.kind.clone(),
+            solver: arguments.solver.name().into(),
+            max_iterations: arguments.max_iterations,
+            tolerance: arguments.tolerance,
+            traced_limit: arguments.traced_limit,
+            paths: report.fit.traced.map_or(0, |traced| traced.paths),
+            profile: arguments.profile,
+            bootstrap: arguments.bootstrap as u64,
+        },
+        inputs,
+        adapter: report.backend.adapter.clone(),
+        seed: arguments.tracing.seed,
+    }
 }
 
 /// Refuses intervals that would not include the noise of traced paths.
@@ -163,11 +197,9 @@ fn trace_if_weak(
         leave_out_tracing(&mut fit, seconds);
         return Ok(fit);
     }
-    // A broken stderr changes nothing.
-    let _ = writeln!(
-        std::io::stderr(),
+    note(&format!(
         "the filter's error beside edges decides this fit: tracing paths instead, some {seconds:.0} s (--traced-limit)"
-    );
+    ));
     let progress = Progress::uncounted("tracing and fitting");
     let tick = || progress.add(1);
     trace_instead(scenes, &settings, arguments.rendering.filter, fit, &tick)
@@ -219,15 +251,10 @@ fn print(arguments: &Arguments, fit: &SceneFit, chosen: &Chosen) -> Result<()> {
     text += &format!("{}\n", how_it_went(arguments, fit, chosen));
     report.camera.iter().for_each(|step| text += &format!("{}\n", step.line()));
     report.candidates.iter().for_each(|candidate| text += &format!("{}\n", candidate.line()));
-    if arguments.json {
-        eprint!("{text}");
-        say(&format!("{}\n", serde_json::to_string_pretty(report)?))?;
-    } else {
-        say(&text)?;
-    }
+    console::answer(arguments.json, report, &text)?;
     for warning in &report.warnings {
         let severity = if warning.severity == Severity::Invalid { "invalid" } else { "warning" };
-        eprintln!("{severity} ({}): {}{}", warning.code, warning.message, answer(warning.code));
+        warn(&format!("{severity} ({}): {}{}", warning.code, warning.message, answer(warning.code)));
     }
     Ok(())
 }

@@ -1,9 +1,11 @@
 //! `narrowbeam forecast`: the predicted errors of a planned measurement.
 
 use super::backend::Chosen;
+use super::console::{self, warn};
 use super::options::{MediumOptions, RenderOptions, positive};
 use super::progress::Progress;
-use super::{UNDETERMINED, aligned, say};
+use super::record::tell_inputs;
+use super::{UNDETERMINED, aligned};
 use crate::fit::{Plan, Settings, forecast};
 use crate::geometry::path_lengths;
 use crate::scene::Scene;
@@ -36,6 +38,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let scenes = arguments.scenes.iter().map(|path| Scene::read(path)).collect::<crate::Result<Vec<_>>>()?;
+    scenes.iter().for_each(|scene| tell_inputs(&scene.files));
     let media = scenes[0].media(arguments.medium.values())?;
     let chosen = Chosen::new(arguments.rendering.backend, &scenes, [1, 2])?;
     let geometries: Vec<_> = scenes.iter().map(|scene| (&scene.geometry, &scene.object[0].image)).collect();
@@ -53,14 +56,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     // The images are noiseless: their chi² means nothing.
     let remarks = report.remarks().into_iter().filter(|line| !line.starts_with("chi²"));
     let text = remarks.fold(aligned(&report.table("1/length")), |text, line| text + &line + "\n");
-    if arguments.json {
-        eprint!("{text}");
-        say(&format!("{}\n", serde_json::to_string_pretty(report)?))?;
-    } else {
-        say(&text)?;
-    }
+    console::answer(arguments.json, report, &text)?;
     for warning in &report.warnings {
-        eprintln!("warning ({}): {}", warning.code, warning.message);
+        warn(&format!("warning ({}): {}", warning.code, warning.message));
     }
     Ok(if report.is_complete() { ExitCode::SUCCESS } else { ExitCode::from(UNDETERMINED) })
 }

@@ -2,13 +2,14 @@
 
 mod charts;
 mod curves;
+mod numbers;
 mod summary;
 mod tables;
 
+use super::console::{answer, warn};
 use super::errors::Usage;
 use super::options::{non_negative, positive};
 use super::progress::Progress;
-use super::say;
 use crate::error::{Result, in_range};
 use crate::io::atomic;
 use crate::medium::Medium;
@@ -16,6 +17,7 @@ use crate::phase::{Family, Phase, PhaseFunction, b_of_spread_angle};
 use crate::spread::Model;
 use crate::trace::{RadialConfig, RadialProfile, trace_radial};
 use curves::{Curve, Grid};
+use numbers::Summary;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -44,6 +46,9 @@ pub(super) struct Arguments {
     /// Directory to write kernel.csv, mtf.csv and their pictures to; made if necessary
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    /// Print the numbers as JSON, alone on stdout
+    #[arg(long)]
+    json: bool,
 }
 
 /// The phase function, by exactly one of its parameters.
@@ -96,7 +101,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let mut kernels = Vec::new();
     for model in Model::ALL.into_iter().filter(|m| any || arguments.models.contains(m)) {
         match model.kernel(&setting.medium, setting.z) {
-            Err(end) if any && end.is_about_model() => eprintln!("{model} is left out: {end}"),
+            Err(end) if any && end.is_about_model() => warn(&format!("{model} is left out: {end}")),
             kernel => kernels.push((model, kernel?)),
         }
     }
@@ -105,14 +110,15 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         .iter()
         .map(|(m, kernel)| Curve::of_kernel(*m, &**kernel, &grid))
         .collect::<Result<Vec<_>>>()?;
-    atomic::create_dir(&arguments.out)?;
+    let _folder = atomic::create_dir(&arguments.out)?;
     atomic::check_writable(&arguments.out.join(tables::KERNEL))?;
 
     let traced = traced(arguments, &setting, &grid)?;
     curves.extend(traced.iter().map(|profile| Curve::of_profile(profile, &grid)));
     tables::write(&arguments.out, &grid, &curves)?;
     charts::write(&arguments.out, &setting, &grid, &curves)?;
-    say(&summary::text(&setting, &kernels, traced.as_ref()))?;
+    let summary = Summary::new(&setting, &kernels, traced.as_ref());
+    answer(arguments.json, &summary, &summary::text(&setting, &kernels, traced.as_ref()))?;
     Ok(ExitCode::SUCCESS)
 }
 

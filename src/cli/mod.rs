@@ -3,23 +3,29 @@
 mod backend;
 mod calibrate;
 mod chart;
+mod console;
+mod documents;
 mod errors;
 mod fit;
 mod forecast;
 mod kernel;
 mod names;
 mod options;
+mod outputs;
+mod pool;
 mod progress;
+mod record;
 mod render;
 mod reproduce;
+mod results;
+mod signals;
 mod stability;
 mod synthesize;
 mod table;
 mod trace;
 
-use crate::error::Error;
-use clap::{Parser, Subcommand};
-use std::io::Write;
+use clap::{CommandFactory, Parser, Subcommand};
+use console::Level;
 use std::process::ExitCode;
 
 /// A fit that did not converge, or that left a free parameter undetermined.
@@ -30,6 +36,12 @@ const UNDETERMINED: u8 = 3;
 struct Arguments {
     #[command(subcommand)]
     command: Command,
+    /// Print warnings, errors and what --json asks for, nothing else
+    #[arg(long, short, global = true, conflicts_with = "verbose")]
+    quiet: bool,
+    /// Also print what is read, written and computed with
+    #[arg(long, short, global = true)]
+    verbose: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -56,6 +68,10 @@ enum Command {
     Chart(chart::Arguments),
     /// Make a table behind the model wide-angle from scratch
     Table(table::Arguments),
+    /// Print the completions of a shell: narrowbeam completions bash > /etc/bash_completion.d/narrowbeam
+    Completions(documents::Completions),
+    /// Print a manual page: narrowbeam man fit | man -l -
+    Man(documents::Man),
 }
 
 /// The rows of a table as lines, in columns.
@@ -70,18 +86,22 @@ fn aligned(rows: &[Vec<String>]) -> String {
     rows.iter().map(line).collect()
 }
 
-/// Writes `text` to stdout. A closed pipe is not an error.
-fn say(text: &str) -> crate::Result<()> {
-    match std::io::stdout().write_all(text.as_bytes()) {
-        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
-        done => done.map_err(|source| Error::Write { path: "standard output".into(), source }),
-    }
-}
-
 /// Runs the command that the process was started with and returns its exit code: 0 done; 2 bad usage or input;
 /// 3 a fit that did not converge or left a parameter undetermined; 1 anything else.
 pub fn main() -> ExitCode {
-    let done = match Arguments::parse().command {
+    let Arguments { command, quiet, verbose } = Arguments::parse();
+    console::set_level(match (quiet, verbose) {
+        (true, _) => Level::Quiet,
+        (_, true) => Level::Verbose,
+        _ => Level::Normal,
+    });
+    signals::watch();
+    let done = pool::within(|| run(command)).unwrap_or_else(|error| Err(error.into()));
+    done.unwrap_or_else(|error| errors::report(&error))
+}
+
+fn run(command: Command) -> anyhow::Result<ExitCode> {
+    match command {
         Command::Fit(arguments) => fit::run(&arguments),
         Command::Forecast(arguments) => forecast::run(&arguments),
         Command::Render(arguments) => render::run(&arguments),
@@ -93,6 +113,7 @@ pub fn main() -> ExitCode {
         Command::Stability(arguments) => stability::run(&arguments),
         Command::Chart(arguments) => chart::run(&arguments),
         Command::Table(arguments) => table::run(&arguments),
-    };
-    done.unwrap_or_else(|error| errors::report(&error))
+        Command::Completions(arguments) => documents::completions(&arguments, Arguments::command()),
+        Command::Man(arguments) => documents::man(&arguments, Arguments::command()),
+    }
 }

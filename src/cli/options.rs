@@ -145,29 +145,3 @@ pub(super) fn exr_or_png(path: PathBuf) -> Result<PathBuf, &'static str> {
 pub(super) fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
-
-/// The media of the channels, for the files that a command writes; one value per channel.
-pub(super) fn record_of(media: &[Medium]) -> Vec<(String, String)> {
-    let each =
-        |value: fn(&Medium) -> f64| media.iter().map(|m| value(m).to_string()).collect::<Vec<_>>().join(" ");
-    let parameter = media[0].phase().family().parameter_name();
-    let pairs = [
-        ("sigma_s", each(Medium::sigma_s)),
-        ("sigma_a", each(Medium::sigma_a)),
-        (parameter, each(|m| m.phase().parameter())),
-    ];
-    pairs.map(|(key, value)| (key.to_string(), value)).to_vec()
-}
-
-/// Software and command line, for the files that a command writes.
-pub(super) fn provenance() -> Vec<(String, String)> {
-    let program = std::iter::once("narrowbeam".to_string());
-    let command = program
-        .chain(std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned()))
-        .collect::<Vec<_>>()
-        .join(" ");
-    vec![
-        ("software".into(), concat!("narrowbeam ", env!("CARGO_PKG_VERSION")).into()),
-        ("command".into(), command),
-    ]
-}

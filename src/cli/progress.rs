@@ -3,8 +3,10 @@
 //! It is fed with increments from any number of threads, and vanishes when it is dropped. Where stderr is no terminal, long
 //! work prints a line now and then instead.
 
+use super::console::{Level, note, tells};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
@@ -16,6 +18,24 @@ const REPORT: Duration = Duration::from_secs(30);
 
 /// Redraws per second.
 const REFRESH_HZ: u8 = 8;
+
+/// The bar that may be on the terminal.
+static SHOWN: Mutex<Option<ProgressBar>> = Mutex::new(None);
+
+/// Clears the bar away, for a process that ends. A bar that is just being drawn is not waited for.
+pub(super) fn clear() {
+    if let Some(bar) = SHOWN.try_lock().ok().and_then(|mut shown| shown.take()) {
+        bar.finish_and_clear();
+    }
+}
+
+/// Shows `bar` from now on.
+fn show(bar: &ProgressBar) {
+    if let Ok(mut shown) = SHOWN.lock() {
+        bar.set_draw_target(ProgressDrawTarget::stderr_with_hz(REFRESH_HZ));
+        *shown = Some(bar.clone());
+    }
+}
 
 /// Counts finished units of work and shows them once a second has passed.
 #[derive(Debug)]
@@ -38,7 +58,7 @@ impl Progress {
         // The template is fixed except for the two words; braces in them would at worst show the plain style.
         let style = ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar());
         bar.set_style(style);
-        let wanted = std::io::stderr().is_terminal();
+        let wanted = std::io::stderr().is_terminal() && tells(Level::Normal);
         Self {
             bar,
             words: [task.into(), unit.into()],
@@ -58,13 +78,18 @@ impl Progress {
         progress.bar.set_style(style);
         if progress.wanted {
             let bar = progress.bar.clone();
-            std::thread::spawn(move || {
+            let tick = move || {
                 std::thread::sleep(PATIENCE);
                 if !bar.is_finished() {
-                    bar.set_draw_target(ProgressDrawTarget::stderr_with_hz(REFRESH_HZ));
-                    bar.enable_steady_tick(PATIENCE / u32::from(REFRESH_HZ));
+                    show(&bar);
                 }
-            });
+                while !bar.is_finished() {
+                    bar.tick();
+                    std::thread::sleep(PATIENCE / u32::from(REFRESH_HZ));
+                }
+            };
+            // Where no thread can be started there is no bar.
+            let _ = std::thread::Builder::new().spawn(tick);
         }
         progress
     }
@@ -73,7 +98,7 @@ impl Progress {
     pub fn add(&self, units: u64) {
         let due = self.wanted && self.start.elapsed() >= PATIENCE;
         if due && !self.shown.swap(true, Ordering::Relaxed) {
-            self.bar.set_draw_target(ProgressDrawTarget::stderr_with_hz(REFRESH_HZ));
+            show(&self.bar);
         }
         self.bar.inc(units);
         if !self.wanted {
@@ -90,8 +115,7 @@ impl Progress {
             let ([task, unit], done) = (&self.words, self.bar.position());
             let all =
                 self.bar.length().filter(|all| *all > 1).map_or(String::new(), |all| format!(" of {all}"));
-            // A broken stderr stops no work.
-            let _ = writeln!(std::io::stderr(), "{task}: {done}{all} {unit} after {} s", elapsed.as_secs());
+            note(&format!("{task}: {done}{all} {unit} after {} s", elapsed.as_secs()));
         }
     }
 }

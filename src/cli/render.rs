@@ -1,16 +1,18 @@
 //! `narrowbeam render`: a scene through its medium by a spread model.
 
 use super::backend::Chosen;
+use super::console::warn;
 use super::errors::Usage;
-use super::options::{
-    MediumOptions, RenderOptions, TracingOptions, exr_or_png, has_extension, provenance, record_of,
-};
+use super::options::{MediumOptions, RenderOptions, TracingOptions, exr_or_png, has_extension};
+use super::outputs;
 use super::progress::Progress;
+use super::record::{provenance, record_of, tell_inputs};
 use crate::filter::{CUT, Filter, Target};
 use crate::forward::Engine;
 use crate::geometry::path_lengths;
 use crate::image::{Channel, Image};
-use crate::io::{atomic, exr};
+use crate::io::exr;
+use crate::io::identity::same;
 use crate::plots::{Figure, Panel, Shade};
 use crate::scene::Scene;
 use anyhow::Result;
@@ -41,8 +43,9 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     arguments.tracing.check(&arguments.rendering)?;
     let scene = Scene::read(&arguments.scene)?;
+    tell_inputs(&scene.files);
     let media = scene.media(arguments.medium.values())?;
-    check_outputs(arguments)?;
+    check_outputs(arguments, &scene.files)?;
     let chosen = Chosen::new(arguments.rendering.backend, [&scene], [1, 1])?;
     let progress = Progress::uncounted("rendering");
     let model = arguments
@@ -85,14 +88,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
         None => (),
     }
     if cut {
-        eprintln!("warning (kernel_cut): {CUT}");
+        warn(&format!("warning (kernel_cut): {CUT}"));
     }
     Ok(ExitCode::SUCCESS)
 }
 
 /// Refuses outputs that contradict other options or cannot be written.
-fn check_outputs(arguments: &Arguments) -> Result<()> {
-    atomic::check_writable(&arguments.output)?;
+fn check_outputs(arguments: &Arguments, inputs: &[PathBuf]) -> Result<()> {
+    outputs::check(&arguments.output, inputs)?;
     if let Some(path) = &arguments.hidden_share {
         let refuse = |why| Err(Usage(format!("--hidden-share {}: {why}", path.display())));
         if arguments.rendering.filter == Filter::Eq29 {
@@ -100,10 +103,10 @@ fn check_outputs(arguments: &Arguments) -> Result<()> {
                 "--filter eq29 lets light pass through near surfaces, so no light is hidden; use composite or auto",
             )?;
         }
-        if *path == arguments.output {
+        if same(path, &arguments.output) {
             refuse("is --output too")?;
         }
-        atomic::check_writable(path)?;
+        outputs::check(path, inputs)?;
     }
     Ok(())
 }

@@ -6,8 +6,8 @@ mod figure_5;
 mod figure_6;
 mod figure_8;
 
+use super::console::say;
 use super::progress::Progress;
-use super::say;
 use crate::error::Result;
 use crate::io::atomic;
 use crate::lab::paper::{self, Effort, Experiment, Rings};
@@ -100,12 +100,12 @@ fn traced(
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let recipes = arguments.figure.recipes();
     let effort = if arguments.quick { Effort::Quick } else { Effort::Full };
-    atomic::create_dir(&arguments.out)?;
+    let _folder = atomic::create_dir(&arguments.out)?;
     for file in recipes.iter().flat_map(|recipe| recipe.files) {
         atomic::check_writable(&arguments.out.join(file))?;
     }
     for recipe in recipes {
-        say(&(recipe.make)(&arguments.out, effort)?)?;
+        say(&(recipe.make)(&arguments.out, effort)?);
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -2,8 +2,9 @@
 
 mod pictures;
 
+use super::aligned;
+use super::console::answer;
 use super::progress::Progress;
-use super::{aligned, say};
 use crate::fit::WarningCode;
 use crate::forward::Quantity;
 use crate::io::atomic;
@@ -13,6 +14,8 @@ use crate::lab::study::sweeps::{SWEEP_TRACES, sweeps};
 use crate::lab::study::trial::{Tally, Trial};
 use crate::phase::PhaseFunction;
 use anyhow::Result;
+use indexmap::IndexMap;
+use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -27,10 +30,38 @@ pub(super) struct Arguments {
     /// A coarse look in half a minute
     #[arg(long)]
     quick: bool,
+    /// Print the numbers as JSON, alone on stdout
+    #[arg(long)]
+    json: bool,
+}
+
+/// What came of all trials.
+#[derive(Debug, Serialize)]
+struct Summary {
+    fits: usize,
+    /// Fits that were wrong without a warning.
+    silent: usize,
+    /// Fits that are right, inside their model's range, with a scene file that is right; and those that carry a warning.
+    right: usize,
+    false_alarms: usize,
+    methods: Vec<Counted>,
+}
+
+/// What came of one method on the grid, or on one sweep.
+#[derive(Debug, Serialize)]
+struct Counted {
+    sweep: &'static str,
+    method: String,
+    fits: usize,
+    /// Intervals, and those among them that hold the truth.
+    intervals: usize,
+    held: usize,
+    /// Fits by what came of them.
+    outcomes: IndexMap<&'static str, usize>,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
-    atomic::create_dir(&arguments.out)?;
+    let _folder = atomic::create_dir(&arguments.out)?;
     let file = arguments.out.join("stability.csv");
     for name in pictures::FILES {
         atomic::check_writable(&arguments.out.join(name))?;
@@ -46,11 +77,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     atomic::write(&file, csv(&trials).as_bytes())?;
     pictures::write(&arguments.out, &trials, &extent)?;
     let Tally { fits, silent, right, false_alarms } = Tally::of(&trials);
-    say(&format!(
+    let summary = Summary { fits, silent, right, false_alarms, methods: counted(&trials) };
+    let text = format!(
         "{}{silent} of {fits} fits failed silently; {false_alarms} of {right} that are right, inside their model's range and with \
          a scene file that is right, carry a warning\n",
-        aligned(&summary(&trials))
-    ))?;
+        aligned(&rows(&summary.methods))
+    );
+    answer(arguments.json, &summary, &text)?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -98,33 +131,49 @@ fn names(codes: &[WarningCode]) -> String {
     codes.iter().map(|code| code.name()).collect::<Vec<_>>().join(" ")
 }
 
+const KINDS: [OutcomeKind; 6] = [
+    OutcomeKind::Right,
+    OutcomeKind::FalseAlarm,
+    OutcomeKind::Undetermined,
+    OutcomeKind::Warned,
+    OutcomeKind::Refused,
+    OutcomeKind::Silent,
+];
+
 /// How often each method had each kind of outcome, on the grid and on each sweep.
-fn summary(trials: &[Trial]) -> Vec<Vec<String>> {
-    let mut keys: Vec<(&str, String)> = Vec::new();
+fn counted(trials: &[Trial]) -> Vec<Counted> {
+    let mut keys: Vec<(&'static str, String)> = Vec::new();
     for t in trials {
         let key = (t.place.sweep, t.method.name());
         if !keys.contains(&key) {
             keys.push(key);
         }
     }
-    const ALL: [OutcomeKind; 6] = [
-        OutcomeKind::Right,
-        OutcomeKind::FalseAlarm,
-        OutcomeKind::Undetermined,
-        OutcomeKind::Warned,
-        OutcomeKind::Refused,
-        OutcomeKind::Silent,
-    ];
-    let head = ["sweep", "method", "fits", "intervals that contain the truth"];
-    let head = head.into_iter().chain(ALL.map(OutcomeKind::name)).map(String::from);
-    let row = |(sweep, method): &(&str, String)| {
+    let count = |(sweep, method): (&'static str, String)| {
         let here: Vec<&Trial> =
-            trials.iter().filter(|t| t.place.sweep == *sweep && t.method.name() == *method).collect();
-        let count = |kind: OutcomeKind| here.iter().filter(|t| t.outcome.kind() == kind).count().to_string();
+            trials.iter().filter(|t| t.place.sweep == sweep && t.method.name() == method).collect();
+        let of = |kind: OutcomeKind| here.iter().filter(|t| t.outcome.kind() == kind).count();
         let held: Vec<bool> = here.iter().flat_map(|t| &t.outcome.found).map(|f| f.held).collect();
-        let held = format!("{} of {}", held.iter().filter(|h| **h).count(), held.len());
-        let start = [sweep.to_string(), method.clone(), here.len().to_string(), held];
-        start.into_iter().chain(ALL.map(count)).collect()
+        Counted {
+            sweep,
+            method,
+            fits: here.len(),
+            intervals: held.len(),
+            held: held.iter().filter(|h| **h).count(),
+            outcomes: KINDS.map(|kind| (kind.name(), of(kind))).into_iter().collect(),
+        }
     };
-    std::iter::once(head.collect()).chain(keys.iter().map(row)).collect()
+    keys.into_iter().map(count).collect()
+}
+
+/// The same as rows for people.
+fn rows(methods: &[Counted]) -> Vec<Vec<String>> {
+    let head = ["sweep", "method", "fits", "intervals that contain the truth"];
+    let head = head.into_iter().chain(KINDS.map(OutcomeKind::name)).map(String::from);
+    let row = |c: &Counted| {
+        let held = format!("{} of {}", c.held, c.intervals);
+        let start = [c.sweep.to_string(), c.method.clone(), c.fits.to_string(), held];
+        start.into_iter().chain(c.outcomes.values().map(usize::to_string)).collect()
+    };
+    std::iter::once(head.collect()).chain(methods.iter().map(row)).collect()
 }

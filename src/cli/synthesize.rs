@@ -1,17 +1,19 @@
 //! `narrowbeam synthesize`: all the light of a scene, including that of the illumination.
 
 use super::backend::Chosen;
+use super::console::warn;
 use super::errors::Usage;
 use super::names::WantedModel;
-use super::options::{
-    MediumOptions, RenderOptions, exr_or_png, has_extension, provenance, record_of, validity,
-};
+use super::options::{MediumOptions, RenderOptions, exr_or_png, has_extension, validity};
+use super::outputs;
 use super::progress::Progress;
+use super::record::{provenance, record_of, tell_inputs};
 use crate::filter::CUT;
 use crate::geometry::median;
 use crate::image::Channel;
 use crate::io::colour::Tone;
-use crate::io::{atomic, exr, png};
+use crate::io::identity::same;
+use crate::io::{exr, png};
 use crate::phase::PhaseFunction;
 use crate::scene::LitScene;
 use crate::spread::{Model, SMALL_ANGLE_LIMIT, small_angle_error};
@@ -40,13 +42,14 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let lit = LitScene::read(&arguments.scene)?;
+    tell_inputs(&lit.scene.files);
     let media = lit.scene.media(arguments.medium.values())?;
-    atomic::check_writable(&arguments.output)?;
+    outputs::check(&arguments.output, &lit.scene.files)?;
     if let Some(path) = &arguments.parts {
-        if *path == arguments.output {
+        if same(path, &arguments.output) {
             Err(Usage(format!("--parts {}: is --output too", path.display())))?;
         }
-        atomic::check_writable(path)?;
+        outputs::check(path, &lit.scene.files)?;
     }
     let chosen = Chosen::new(arguments.rendering.backend, [&lit.scene], [1, 1])?;
     let model = match arguments.rendering.model {
@@ -72,20 +75,20 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
         exr::write(path, &layers(&made), &attributes)?;
     }
     if made.cut {
-        eprintln!("warning (kernel_cut): {CUT}");
+        warn(&format!("warning (kernel_cut): {CUT}"));
     }
     let z = median(lit.scene.geometry.path_lengths());
     for (channel, medium) in total.iter().zip(&media) {
         let validity = validity(medium, z);
         if model.rests_on_small_angles() && validity > SMALL_ANGLE_LIMIT {
-            eprintln!(
+            warn(&format!(
                 "warning (outside_validity): tau·{} of channel {} is {validity:.3}, above {SMALL_ANGLE_LIMIT}: {} rests \
                  on small angles, whose transfer function is off by {} there",
                 medium.phase().family().mean_square_angle_formula(),
                 channel.name,
                 model,
                 small_angle_error(validity)
-            );
+            ));
         }
     }
     Ok(ExitCode::SUCCESS)

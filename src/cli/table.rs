@@ -3,9 +3,9 @@
 //! Nodes are independent, each with its own seed, and are written as they are done; a run that was killed continues
 //! from the last one.
 
-use super::options::provenance;
+use super::console::answer;
 use super::progress::Progress;
-use super::say;
+use super::record::provenance;
 use crate::error::{Error, Result};
 use crate::io::atomic;
 use crate::lab::table::node;
@@ -13,6 +13,7 @@ use crate::phase::Family;
 use crate::spread::wide_angle::layout::Layout;
 use crate::spread::wide_angle::table::Table;
 use rayon::prelude::*;
+use serde::Serialize;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -36,6 +37,16 @@ pub(super) struct Arguments {
     /// Table to write; until it is complete, FILE.part
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+    /// Print the numbers as JSON, alone on stdout
+    #[arg(long)]
+    json: bool,
+}
+
+/// What was made.
+#[derive(Debug, Serialize)]
+struct Made {
+    nodes: usize,
+    bytes: usize,
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
@@ -48,9 +59,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let of = if arguments.phase == Family::Gaussian { "" } else { "hg; " };
     let fixed = format!("{of}seed {}; paths {};", arguments.seed, arguments.paths);
     let line = Table::line(&format!("{fixed} {}", provenance()[0].1));
+    check_part(&part)?;
     let mut bytes = resumed(&part, &line, layout).unwrap_or_else(|| line.clone().into_bytes());
     let unwritten = |source| Error::Write { path: part.clone(), source };
-    fs::write(&part, &bytes).map_err(unwritten)?;
+    atomic::write(&part, &bytes)?;
     let mut file = fs::OpenOptions::new().append(true).open(&part).map_err(unwritten)?;
 
     let places = layout.places();
@@ -74,8 +86,21 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     atomic::write(&arguments.out, &bytes)?;
     atomic::remove(&part)?;
     drop(progress);
-    say(&format!("{}: {} nodes, {} bytes\n", arguments.out.display(), places.len(), bytes.len()))?;
+    let made = Made { nodes: places.len(), bytes: bytes.len() };
+    let text = format!("{}: {} nodes, {} bytes\n", arguments.out.display(), made.nodes, made.bytes);
+    answer(arguments.json, &made, &text)?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Refuses to overwrite what is there as `part` and is no part of a table.
+fn check_part(part: &Path) -> Result<()> {
+    atomic::check_writable(part)?;
+    let is_ours = |bytes: Vec<u8>| bytes.is_empty() || Table::split(&bytes).is_ok();
+    if fs::read(part).is_ok_and(|bytes| !is_ours(bytes)) {
+        let why = "is no part of a table, and would be lost; move it away, or choose another --out";
+        return Err(Error::Protected { path: part.to_path_buf(), why: why.into() });
+    }
+    Ok(())
 }
 
 /// The complete nodes of a table begun with the same line.

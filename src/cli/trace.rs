@@ -1,13 +1,16 @@
 //! `narrowbeam trace`: a scene's image by following paths, with the variance of each pixel.
 
-use super::options::{MediumOptions, provenance, record_of};
+use super::console::answer;
+use super::options::MediumOptions;
+use super::outputs;
 use super::progress::Progress;
-use super::say;
+use super::record::{provenance, record_of, tell_inputs};
 use crate::image::{Channel, Image};
-use crate::io::{atomic, exr};
+use crate::io::exr;
 use crate::medium::Medium;
 use crate::scene::Scene;
 use crate::trace::{ImageConfig, trace_image};
+use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -28,12 +31,25 @@ pub(super) struct Arguments {
     /// EXR file to write: channels Y and Y.variance, or R, R.variance, G, ...
     #[arg(long, value_name = "FILE")]
     output: PathBuf,
+    /// Print the numbers as JSON, alone on stdout
+    #[arg(long)]
+    json: bool,
+}
+
+/// What was traced.
+#[derive(Debug, Serialize)]
+struct Traced {
+    paths: u64,
+    seconds: f64,
+    paths_per_second: f64,
+    seed: u64,
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let scene = Scene::read(&arguments.scene)?;
+    tell_inputs(&scene.files);
     let media = scene.media(arguments.medium.values())?;
-    atomic::check_writable(&arguments.output)?;
+    outputs::check(&arguments.output, &scene.files)?;
 
     let all = (scene.view.pixels() * scene.object.len()) as u64 * u64::from(arguments.samples);
     let progress = Progress::new("tracing", "paths", all);
@@ -62,7 +78,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
 
     exr::write(&arguments.output, &channels, &record(arguments, &media))?;
     let rate = paths as f64 / seconds / 1e6;
-    say(&format!("traced {paths} paths in {seconds:.2} s: {rate:.2} million paths/s\n"))?;
+    let traced = Traced { paths, seconds, paths_per_second: paths as f64 / seconds, seed: arguments.seed };
+    let text = format!("traced {paths} paths in {seconds:.2} s: {rate:.2} million paths/s\n");
+    answer(arguments.json, &traced, &text)?;
     Ok(ExitCode::SUCCESS)
 }
 

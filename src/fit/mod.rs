@@ -33,8 +33,8 @@ pub use optimise::{HEADROOM, PathsUsed};
 pub use parameters::{Bounds, Coordinate, Descriptor, Id, Parameter, Parameters, Role};
 pub use report::{
     AdviceReport, BackendReport, BlurReport, CameraStep, Candidate, Derived, Determined, DiagnosisReport,
-    Estimate, ExposureReport, FieldReport, Fit, Regime, RegistrationErrors, RegistrationReport, Severity,
-    Summary, Term, TracedSummary, Warning, WarningCode, Ways,
+    Estimate, ExposureReport, FieldReport, Fit, InputFile, Provenance, Regime, RegistrationErrors,
+    RegistrationReport, ResolvedSettings, Severity, Summary, Term, TracedSummary, Warning, WarningCode, Ways,
 };
 pub use scenes::{SceneFit, check_scenes, fit_scenes};
 pub use select::{

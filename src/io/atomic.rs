@@ -1,16 +1,13 @@
 //! Writing a file whole or not at all.
 //!
-//! The bytes go to a temporary file in the same folder, which is then renamed, so a full disk or an interruption
-//! leaves the old file as it was.
+//! The bytes go to a [part](super::temporary) in the same folder, through to the disk, which is then renamed: a full disk, an
+//! interruption or a power cut leaves the old file as it was.
 
+use super::temporary::{NewFolders, Part, remove_stale};
 use crate::error::{Error, Result};
 use std::fs;
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
-
-/// Distinguishes the temporary files of one process.
-static COUNTER: AtomicU64 = AtomicU64::new(0);
 
 /// Replaces the contents of `path` by `bytes`, or leaves it untouched.
 ///
@@ -19,33 +16,38 @@ static COUNTER: AtomicU64 = AtomicU64::new(0);
 /// # Errors
 /// [`Error::Write`] with the path.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
-    replace(path, bytes).map_err(|source| Error::Write { path: path.to_path_buf(), source })
+    let replace = || match target(path)? {
+        Target::Special => fs::write(path, bytes),
+        Target::File(target) => filled(&target, bytes)?.put(&target),
+    };
+    replace().map_err(|source| Error::Write { path: path.to_path_buf(), source })
 }
 
-/// Finds out early whether [`write()`] will be able to write `path`; leaves nothing behind.
+/// Finds out early whether [`write()`] will be able to write `path`, and removes what dead runs have left of it; leaves nothing
+/// behind.
 ///
 /// # Errors
 /// [`Error::Write`] with the path.
 pub fn check_writable(path: &Path) -> Result<()> {
-    let probe = |target: &Path| {
-        let temporary = temporary_beside(target);
-        fill(&temporary, &[]).and_then(|()| fs::remove_file(&temporary))
+    let probe = || match target(path)? {
+        Target::Special => Ok(()),
+        Target::File(target) => {
+            let name = target.file_name().unwrap_or_default().to_string_lossy();
+            remove_stale(target.parent().unwrap_or(Path::new("")), &[&name]);
+            Part::file(&target).map(drop)
+        }
     };
-    let result = match fs::canonicalize(path) {
-        Ok(existing) if existing.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
-        Ok(existing) if !existing.is_file() => Ok(()),
-        Ok(existing) => probe(&existing),
-        Err(_) => probe(path),
-    };
-    result.map_err(|source| Error::Write { path: path.to_path_buf(), source })
+    probe().map_err(|source| Error::Write { path: path.to_path_buf(), source })
 }
 
-/// Makes the directory `path` and those above it, if they do not exist.
+/// Makes the directory `path` and those above it, if they do not exist. What is still empty when the returned value is dropped
+/// is removed again.
 ///
 /// # Errors
 /// [`Error::Write`] with the path.
-pub fn create_dir(path: &Path) -> Result<()> {
-    fs::create_dir_all(path).map_err(|source| Error::Write { path: path.to_path_buf(), source })
+pub fn create_dir(path: &Path) -> Result<NewFolders> {
+    let make = || check_link(path).and_then(|()| NewFolders::make(path));
+    make().map_err(|source| Error::Write { path: path.to_path_buf(), source })
 }
 
 /// Removes the file `path`, if there is one.
@@ -61,30 +63,43 @@ pub fn remove(path: &Path) -> Result<()> {
     }
 }
 
-fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let target = match fs::canonicalize(path) {
-        Ok(existing) if existing.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
-        Ok(existing) if !existing.is_file() => return fs::write(existing, bytes),
-        Ok(existing) => existing,
-        Err(_) => path.to_path_buf(),
-    };
-    let temporary = temporary_beside(&target);
-    let result = fill(&temporary, bytes).and_then(|()| fs::rename(&temporary, &target));
-    if result.is_err() {
-        // The first error is the one to report; there may be nothing to remove.
-        let _ = fs::remove_file(&temporary);
+/// What a path to be written leads to.
+pub(crate) enum Target {
+    /// An ordinary file, links followed; it need not exist.
+    File(PathBuf),
+    /// A pipe or a device.
+    Special,
+}
+
+/// What `path` leads to.
+pub(crate) fn target(path: &Path) -> io::Result<Target> {
+    check_link(path)?;
+    match fs::metadata(path) {
+        Ok(found) if found.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
+        Ok(found) if !found.is_file() => Ok(Target::Special),
+        Ok(_) => fs::canonicalize(path).map(Target::File),
+        Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(Target::File(path.to_path_buf())),
+        Err(e) => Err(e),
     }
-    result
 }
 
-fn fill(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    fs::OpenOptions::new().write(true).create_new(true).open(path)?.write_all(bytes)
+/// A part beside `target` that holds `bytes`, and what may be done with it as with the file that is there.
+pub(crate) fn filled(target: &Path, bytes: &[u8]) -> io::Result<Part> {
+    let mut part = Part::file(target)?;
+    if let Ok(old) = fs::metadata(target) {
+        fs::set_permissions(part.path(), old.permissions())?;
+    }
+    part.fill(bytes)?;
+    Ok(part)
 }
 
-fn temporary_beside(path: &Path) -> PathBuf {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let count = COUNTER.fetch_add(1, Ordering::Relaxed);
-    path.with_file_name(format!(".{name}.{}-{count}.part", std::process::id()))
+/// Refuses a link that leads to nothing, or round in a circle.
+fn check_link(path: &Path) -> io::Result<()> {
+    let is_link = fs::symlink_metadata(path).is_ok_and(|found| found.is_symlink());
+    if is_link && fs::metadata(path).is_err() {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is a link that leads nowhere"));
+    }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -143,5 +158,37 @@ mod tests {
     fn a_device_is_not_replaced_by_a_file() {
         write(Path::new("/dev/null"), b"x").unwrap();
         assert!(!fs::metadata("/dev/null").unwrap().is_file());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_is_followed_and_one_that_leads_nowhere_is_refused() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        let dir = tempfile::tempdir().unwrap();
+        let at = |name: &str| dir.path().join(name);
+        write(&at("a"), b"one").unwrap();
+        fs::set_permissions(at("a"), fs::Permissions::from_mode(0o640)).unwrap();
+        for (link, to) in [("link", "a"), ("dangling", "none"), ("loop", "loop")] {
+            symlink(to, at(link)).unwrap();
+        }
+        write(&at("link"), b"two").unwrap();
+        assert!(fs::symlink_metadata(at("link")).unwrap().is_symlink());
+        assert_eq!(fs::read(at("a")).unwrap(), b"two");
+        assert_eq!(fs::metadata(at("a")).unwrap().permissions().mode() & 0o777, 0o640);
+        for name in ["dangling", "loop"] {
+            for done in [write(&at(name), b"x"), check_writable(&at(name)), create_dir(&at(name)).map(drop)] {
+                let error = done.unwrap_err();
+                assert!(error.is_usage() && error.to_string().contains("leads nowhere"), "{error}");
+            }
+        }
+        assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 4);
+    }
+
+    #[test]
+    fn a_probe_removes_what_dead_runs_have_left() {
+        let dir = tempfile::tempdir().unwrap();
+        fs::write(dir.path().join(".a.txt.1-2.part"), "x").unwrap();
+        check_writable(&dir.path().join("a.txt")).unwrap();
+        assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 0);
     }
 }

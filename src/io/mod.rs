@@ -3,4 +3,6 @@
 pub mod atomic;
 pub mod colour;
 pub mod exr;
+pub mod identity;
 pub mod png;
+pub mod temporary;

@@ -1,6 +1,7 @@
 //! From a scene file to a [`Scene`], an [`ObservedScene`] or a [`LitScene`].
 
 use super::background::empty_dark_background;
+use super::files::files;
 use super::fit_options::read_fit;
 use super::format::{CameraSection, DepthKind, ObservationSection, SceneFile, parse};
 use super::illumination::{read_illumination, read_reflectance};
@@ -117,6 +118,7 @@ impl<'a> Reader<'a> {
             read_sampling(source, section.sampling.as_deref(), &object.channels)?;
         Ok(Scene {
             path: source.path.into(),
+            files: files(source),
             object: object.channels,
             behind,
             geometry,

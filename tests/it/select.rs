@@ -65,6 +65,7 @@ impl Regime {
         let gray = |image: Image| vec![Channel { name: "Y".into(), image }];
         let scene = Scene {
             path: PathBuf::from("scene"),
+            files: Vec::new(),
             object: gray(object),
             behind: vec![Vec::new()],
             geometry,

@@ -68,10 +68,11 @@ fn a_tally_counts_silent_failures_and_needless_warnings() {
 #[test]
 fn no_method_fails_silently_on_a_coarse_map() {
     let folder = tempfile::tempdir().unwrap();
-    let output = narrowbeam(folder.path(), &["stability", "--quick", "--out", "made"]);
-    let text = String::from_utf8(output.stdout).unwrap();
+    let output = narrowbeam(folder.path(), &["stability", "--quick", "--json", "--out", "made"]);
+    let text = String::from_utf8(output.stderr).unwrap();
+    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     println!("{text}");
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(output.status.code(), Some(0));
     let csv = std::fs::read_to_string(folder.path().join("made/stability.csv")).unwrap();
     let columns = csv.lines().next().unwrap().split(',').count();
     let rows: Vec<Vec<&str>> = csv.lines().skip(1).map(|line| line.split(',').collect()).collect();
@@ -86,6 +87,10 @@ fn no_method_fails_silently_on_a_coarse_map() {
         last.split(|c: char| !c.is_ascii_digit()).filter_map(|n| n.parse().ok()).collect();
     let [fits, false_alarms, right] = [numbers[1], numbers[2], numbers[3]];
     assert_eq!(fits as usize, rows.len());
+    let [all, mine] = ["fits", "right"].map(|key| summary[key].as_f64().unwrap());
+    assert_eq!((all, mine, &summary["silent"]), (fits, right, &0.into()));
+    let counted = summary["methods"].as_array().unwrap().iter().map(|m| m["fits"].as_u64().unwrap());
+    assert_eq!(counted.sum::<u64>() as usize, rows.len());
     assert!(false_alarms < 0.05 * right, "{last}");
     for picture in ["error", "verdict", "sweeps"] {
         for kind in ["png", "svg"] {

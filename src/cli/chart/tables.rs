@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::forward::Quantity;
 use crate::io::atomic;
 use crate::lab::study::chart::{Charted, FitTrial, RenderTrial, Timing, Way};
+use serde::Serialize;
 use std::path::Path;
 
 /// Columns of the parameters of [`Quantity::MEDIUM`].
@@ -107,10 +108,23 @@ fn peers(charted: &[Charted]) -> String {
     text
 }
 
+/// A point on a front.
+#[derive(Debug, Serialize)]
+pub(super) struct OnFront {
+    dataset: String,
+    /// `render` or `fit`.
+    task: &'static str,
+    /// Model or method, how, and where.
+    name: String,
+    seconds: f64,
+    error: f64,
+    /// The error that the noise of the image would hide.
+    floor: Option<f64>,
+}
+
 /// The points on the fronts, from fast to exact.
-pub(super) fn fronts(charted: &[Charted], clock: Clock) -> Vec<Vec<String>> {
-    let head = ["dataset", "", "front, from fast to exact", clock.unit(), "error %", "floor %"];
-    let mut rows = vec![head.map(String::from).to_vec()];
+pub(super) fn fronts(charted: &[Charted], clock: Clock) -> Vec<OnFront> {
+    let mut all = Vec::new();
     for c in charted {
         let render = |i: usize| {
             let trial = &c.renders[i];
@@ -123,20 +137,34 @@ pub(super) fn fronts(charted: &[Charted], clock: Clock) -> Vec<Vec<String>> {
         let fit = |i: usize| {
             c.fits.get(i).map_or("peer".into(), |trial| format!("{}, {}", trial.method.name(), trial.backend))
         };
-        rows.extend(front(&[&c.dataset.name, "render"], &Points::of_renders(c, clock), render));
-        rows.extend(front(&[&c.dataset.name, "fit"], &Points::of_fits(c, clock), fit));
+        all.extend(front(&c.dataset.name, "render", &Points::of_renders(c, clock), render));
+        all.extend(front(&c.dataset.name, "fit", &Points::of_fits(c, clock), fit));
     }
-    rows
+    all
 }
 
-/// A row for each point of a front: `first`, its `name`, time, error and floor.
-fn front(first: &[&str], points: &Points, name: impl Fn(usize) -> String) -> Vec<Vec<String>> {
-    let percent = |v: f64| format!("{:.3}", 100.0 * v);
-    let floor = points.floor.map_or("-".into(), percent);
-    let row = |&i: &usize| {
+fn front(dataset: &str, task: &'static str, points: &Points, name: impl Fn(usize) -> String) -> Vec<OnFront> {
+    let point = |&i: &usize| {
         let (seconds, error) = points.all[i]?;
-        let numbers = [name(i), format!("{seconds:.2e}"), percent(error), floor.clone()];
-        Some(first.iter().map(|cell| cell.to_string()).chain(numbers).collect())
+        Some(OnFront { dataset: dataset.into(), task, name: name(i), seconds, error, floor: points.floor })
     };
-    points.front.iter().filter_map(row).collect()
+    points.front.iter().filter_map(point).collect()
+}
+
+/// The same as rows for people.
+pub(super) fn rows(fronts: &[OnFront], clock: Clock) -> Vec<Vec<String>> {
+    let head = ["dataset", "", "front, from fast to exact", clock.unit(), "error %", "floor %"];
+    let percent = |v: f64| format!("{:.3}", 100.0 * v);
+    let row = |p: &OnFront| {
+        let floor = p.floor.map_or("-".into(), percent);
+        vec![
+            p.dataset.clone(),
+            p.task.into(),
+            p.name.clone(),
+            format!("{:.2e}", p.seconds),
+            percent(p.error),
+            floor,
+        ]
+    };
+    std::iter::once(head.map(String::from).to_vec()).chain(fronts.iter().map(row)).collect()
 }

@@ -2,7 +2,8 @@
 
 use super::{Arguments, how_it_went};
 use crate::cli::backend::Chosen;
-use crate::cli::options::provenance;
+use crate::cli::record::provenance;
+use crate::cli::results::{REPORT, Results};
 use crate::fit::SceneFit;
 use crate::io::colour::{Tone, residual_scale};
 use crate::io::{atomic, exr, png};
@@ -10,13 +11,15 @@ use crate::plots::{Figure, Panel, Shade};
 use crate::scene::ObservedScene;
 use anyhow::Result;
 use rayon::prelude::*;
-use std::path::PathBuf;
 
-/// Name and kind of what is written for each scene; `hidden_share` only if something is hidden.
+/// Name and kind of what is written for each scene only if something is hidden.
+pub(super) const HIDDEN_SHARE: (&str, &str) = ("hidden_share", "exr");
+
+/// Name and kind of what is written for each scene.
 pub(super) const OUTPUTS: [(&str, &str); 8] = [
     ("render", "exr"),
     ("residual", "exr"),
-    ("hidden_share", "exr"),
+    HIDDEN_SHARE,
     ("object", "png"),
     ("observed", "png"),
     ("render", "png"),
@@ -24,24 +27,22 @@ pub(super) const OUTPUTS: [(&str, &str); 8] = [
     ("fit", "png"),
 ];
 
-/// Path of such a file for scene `i` of `scenes`.
-pub(super) fn output(arguments: &Arguments, scenes: usize, i: usize, name: &str, kind: &str) -> PathBuf {
+/// Name of such a file for scene `i` of `scenes`.
+pub(super) fn output(scenes: usize, i: usize, name: &str, kind: &str) -> String {
     let suffix = if scenes == 1 { String::new() } else { format!("-{}", i + 1) };
-    arguments.out.join(format!("{name}{suffix}.{kind}"))
+    format!("{name}{suffix}.{kind}")
 }
 
-/// The report, then `render`, `residual`, `hidden_share` and the pictures of each scene. An earlier fit's `hidden_share`
-/// is removed if nothing is hidden now.
+/// `render`, `residual`, `hidden_share` and the pictures of each scene, then the report, which names them.
 pub(super) fn write(
     arguments: &Arguments,
+    results: &Results,
     scenes: &[ObservedScene],
-    fit: &SceneFit,
+    fit: &mut SceneFit,
     chosen: &Chosen,
 ) -> Result<()> {
-    let json = serde_json::to_string_pretty(&fit.report)?;
-    atomic::write(&arguments.out.join("fit.json"), json.as_bytes())?;
     for (i, ObservedScene { scene, observation }) in scenes.iter().enumerate() {
-        let file = |name: &str, kind: &str| output(arguments, scenes.len(), i, name, kind);
+        let file = |name: &str, kind: &str| results.path(&output(scenes.len(), i, name, kind));
         let (render, residual) = (fit.render(i), fit.residual(i, &observation.image));
         let (clear, tone) = (Tone::of(&scene.object), Tone::of(&observation.image));
         let scale = residual_scale(&residual);
@@ -65,7 +66,7 @@ pub(super) fn write(
         };
         let share = || match &share {
             Some(share) => exr::write(&file("hidden_share", "exr"), share, &provenance()),
-            None => atomic::remove(&file("hidden_share", "exr")),
+            None => Ok(()),
         };
         let tasks: [&(dyn Fn() -> crate::Result<()> + Sync); 8] = [
             &|| exr::write(&file("render", "exr"), &render, &provenance()),
@@ -77,7 +78,9 @@ pub(super) fn write(
             &|| png::write_residual(&file("residual", "png"), &residual, Some(scale)).map(|_| ()),
             &|| figure.write_png(&file("fit", "png")),
         ];
-        tasks.par_iter().try_for_each(|task| task())?;
+        tasks.par_iter().try_for_each(|task| task()).map_err(|error| results.worded(error))?;
     }
-    Ok(())
+    fit.report.files = results.hashes()?;
+    let json = serde_json::to_string_pretty(&fit.report)?;
+    Ok(atomic::write(&results.path(REPORT), json.as_bytes()).map_err(|error| results.worded(error))?)
 }

@@ -11,7 +11,7 @@ use crate::trace::{Estimate, RadialProfile};
 use std::fmt::Write;
 
 /// The models' kernels.
-type Kernels = [(Model, Box<dyn SpreadKernel>)];
+pub(super) type Kernels = [(Model, Box<dyn SpreadKernel>)];
 
 /// The whole text.
 pub(super) fn text(setting: &Setting, kernels: &Kernels, traced: Option<&RadialProfile>) -> String {

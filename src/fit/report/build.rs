@@ -38,6 +38,8 @@ impl Fit {
             exposures: Vec::new(),
             start: IndexMap::new(),
             command: None,
+            provenance: None,
+            files: IndexMap::new(),
             determined: Vec::new(),
             advice: Vec::new(),
             candidates: Vec::new(),

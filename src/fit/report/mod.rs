@@ -12,6 +12,7 @@ mod exposure;
 mod identified;
 mod imaging;
 mod number;
+mod provenance;
 mod regime;
 mod summary;
 mod term;
@@ -27,6 +28,7 @@ pub use estimate::{Estimate, Ways};
 pub use exposure::ExposureReport;
 pub use identified::{AdviceReport, Determined};
 pub use imaging::{BlurReport, FieldReport, RegistrationErrors, RegistrationReport};
+pub use provenance::{InputFile, Provenance, ResolvedSettings};
 pub use regime::Regime;
 pub use summary::{Summary, TracedSummary};
 pub use term::Term;
@@ -68,6 +70,12 @@ pub struct Fit {
     pub start: IndexMap<String, Option<f64>>,
     /// The command line, if there was one.
     pub command: Option<String>,
+    /// Where the report comes from, if the program made it.
+    #[serde(default)]
+    pub provenance: Option<Provenance>,
+    /// The other files of the set of results, by name, with their SHA-256 as hexadecimal digits; empty if nothing was written.
+    #[serde(default)]
+    pub files: IndexMap<String, String>,
     /// Combinations of the parameters that the data determine where they leave one open, or hold two only together.
     pub determined: Vec<Determined>,
     /// Which measurement would free what is undetermined, the best first; empty if nothing is.

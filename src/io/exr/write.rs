@@ -62,7 +62,35 @@ fn encode(
     let layer = Layer::new(size, attributes, encoding, AnyChannels::sort(list.collect()));
     let mut bytes = Cursor::new(Vec::new());
     Image::from_layer(layer).write().to_buffered(&mut bytes)?;
-    Ok(bytes.into_inner())
+    let mut bytes = bytes.into_inner();
+    sort_attributes(&mut bytes);
+    Ok(bytes)
+}
+
+/// Bytes of a file before its first attribute: magic number and version.
+const PREAMBLE: usize = 8;
+
+/// Brings the attributes of the only header of a file into the order of their names; the crate writes them in an order of its
+/// own in every run. Each is its name, its type, both ended by a zero, the length of its value, and that; a zero ends them all.
+fn sort_attributes(file: &mut [u8]) {
+    let mut attributes: Vec<Vec<u8>> = Vec::new();
+    let mut at = PREAMBLE;
+    while let Some(length) = attribute_length(&file[at..]) {
+        attributes.push(file[at..at + length].to_vec());
+        at += length;
+    }
+    attributes.sort_unstable();
+    let sorted = attributes.concat();
+    file[PREAMBLE..PREAMBLE + sorted.len()].copy_from_slice(&sorted);
+}
+
+/// Bytes of the attribute that `file` begins with; `None` at their end.
+fn attribute_length(file: &[u8]) -> Option<usize> {
+    let text = |from: usize| Some(from + file.get(from..)?.iter().position(|&b| b == 0)? + 1);
+    let name = text(0).filter(|end| *end > 1)?;
+    let value = text(name)?;
+    let length = file.get(value..value + 4)?.try_into().ok().map(u32::from_le_bytes)?;
+    Some(value + 4 + length as usize).filter(|end| *end <= file.len())
 }
 
 /// The format's text is Latin-1: any other character becomes a question mark.
@@ -75,5 +103,26 @@ fn to_io(error: ::exr::error::Error) -> io::Error {
     match error {
         ::exr::error::Error::Io(e) => e,
         other => io::Error::other(other.to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image;
+
+    #[test]
+    fn the_same_image_gives_the_same_bytes() {
+        let channel = Channel { name: "Y".into(), image: image::Image::filled(3, 2, 0.5) };
+        let pair = |i: usize| (format!("key {i}"), format!("value {i}"));
+        let pairs: Vec<_> = (0..12).map(pair).collect();
+        let first = encode(std::slice::from_ref(&channel), &pairs).unwrap();
+        for _ in 0..5 {
+            assert!(encode(std::slice::from_ref(&channel), &pairs).unwrap() == first);
+        }
+        let meta = ::exr::meta::MetaData::read_from_buffered(Cursor::new(&first), true).unwrap();
+        assert_eq!(meta.headers[0].own_attributes.other.len(), pairs.len());
+        let other = encode(std::slice::from_ref(&channel), &pairs[1..]).unwrap();
+        assert!(other != first);
     }
 }

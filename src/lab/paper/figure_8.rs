@@ -126,6 +126,7 @@ pub fn scene(side: usize) -> Result<(LitScene, Vec<Medium>)> {
     let mean = (0..3).map(|i| (WHITE[i] + GRAY[i]) / 2.0);
     let scene = Scene {
         path: PathBuf::from("figure 8"),
+        files: Vec::new(),
         object: (0..3).map(colour).collect(),
         behind: vec![Vec::new(); 3],
         geometry: Geometry {

@@ -146,6 +146,7 @@ impl Setting {
         let gray = |image: Image| vec![Channel { name: "Y".into(), image }];
         let scene = Scene {
             path: PathBuf::from("plane"),
+            files: Vec::new(),
             object: gray(self.texture.image(self.side)),
             behind: vec![Vec::new()],
             geometry: self.geometry()?,

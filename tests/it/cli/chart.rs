@@ -41,9 +41,12 @@ fn rows(shop: &Workshop, name: &str) -> Vec<std::collections::HashMap<String, St
 #[test]
 fn a_chart_has_every_model_on_every_backend_and_the_front_of_them() {
     let shop = plane();
-    let run = shop.run("chart plane --peer peer --quick --out made");
+    let run = shop.run("chart plane --peer peer --quick --json --out made");
     assert_eq!(run.code, 0, "{}", run.stderr);
-    assert!(run.stdout.contains("front"), "{}", run.stdout);
+    assert!(run.stderr.contains("front"), "{}", run.stderr);
+    let fronts: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    let fronts = fronts.as_array().unwrap();
+    assert!(fronts.iter().any(|p| p["task"] == "fit" && p["error"].as_f64().unwrap() < 0.1), "{fronts:?}");
     for name in ["renders", "fits"] {
         let picture = image::open(shop.file("made").join(format!("{name}.png"))).unwrap();
         assert!(picture.width() >= 500 && picture.height() > 430);

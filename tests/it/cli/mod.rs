@@ -2,10 +2,20 @@
 
 mod bad_input;
 mod chart;
+mod documents;
 mod fit;
+#[cfg(unix)]
+mod killed;
 mod phase;
 mod render;
+#[cfg(unix)]
+mod spared;
+#[cfg(unix)]
+mod streams;
 mod studies;
 mod synthesize;
 mod table;
+mod threads;
+#[cfg(unix)]
+mod whole;
 mod workshop;

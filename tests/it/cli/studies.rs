@@ -80,11 +80,14 @@ fn a_fit_says_what_is_determined_and_what_would_free_the_rest() {
 #[test]
 fn a_calibration_tabulates_what_it_found() {
     let shop = Workshop::new();
-    let run = shop.run("calibrate --draws 2 --out made");
+    let run = shop.run("calibrate --draws 2 --json --out made");
     assert_eq!(run.code, 0, "{}", run.stderr);
     let csv = std::fs::read_to_string(shop.file("made").join("calibration.csv")).unwrap();
     assert!(csv.lines().count() > 18 && csv.starts_with("setting,model,parameter,draws,inside"), "{csv}");
     let columns = csv.lines().next().unwrap().split(',').count();
     assert!(csv.lines().all(|line| line.split(',').count() == columns));
+    let found: Value = serde_json::from_str(&run.stdout).unwrap();
+    let found = found.as_array().unwrap();
+    assert!(found.len() + 1 == csv.lines().count() && found.iter().all(|row| row["draws"] == 2));
     assert_eq!(shop.run("calibrate --draws 1 --out made").code, 2);
 }

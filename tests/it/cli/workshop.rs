@@ -3,6 +3,7 @@
 use crate::common::program::{narrowbeam, write_exr};
 use narrowbeam::image::Image;
 use std::path::PathBuf;
+use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
 
 /// Side of the test images, px.
@@ -31,6 +32,17 @@ pub struct Run {
     pub stderr: String,
 }
 
+impl Run {
+    fn of(output: Output) -> Self {
+        let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+        Self {
+            code: output.status.code().expect("ended by itself"),
+            stdout: text(output.stdout),
+            stderr: text(output.stderr),
+        }
+    }
+}
+
 impl Workshop {
     pub fn new() -> Self {
         let shop = Self(tempfile::tempdir().unwrap());
@@ -52,18 +64,46 @@ impl Workshop {
 
     /// Runs the program in the folder.
     pub fn run(&self, arguments: &str) -> Run {
-        let output = narrowbeam(self.0.path(), &arguments.split_whitespace().collect::<Vec<_>>());
-        let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-        Run {
-            code: output.status.code().expect("ended by itself"),
-            stdout: text(output.stdout),
-            stderr: text(output.stderr),
-        }
+        Run::of(narrowbeam(self.0.path(), &arguments.split_whitespace().collect::<Vec<_>>()))
+    }
+
+    /// The program in the folder, to be run in another way.
+    pub fn command(&self, arguments: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_narrowbeam"));
+        command.current_dir(self.0.path()).args(arguments.split_whitespace());
+        command.stdout(Stdio::null()).stderr(Stdio::null());
+        command
+    }
+
+    /// Runs the program in the folder by a line for the shell, in which `narrowbeam` is its name, and returns how it ended.
+    pub fn shell(&self, line: &str) -> Run {
+        let line = line.replace("narrowbeam", "\"$NARROWBEAM\"");
+        let mut shell = Command::new("sh");
+        shell
+            .current_dir(self.0.path())
+            .args(["-c", &line])
+            .env("NARROWBEAM", env!("CARGO_BIN_EXE_narrowbeam"));
+        Run::of(shell.output().unwrap())
+    }
+
+    /// The bytes of a file of the folder.
+    pub fn bytes(&self, name: &str) -> Vec<u8> {
+        std::fs::read(self.file(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+
+    /// Names of what is in a folder of the folder, in order.
+    pub fn names(&self, folder: &str) -> Vec<String> {
+        let entries = std::fs::read_dir(self.file(folder)).unwrap();
+        let mut names: Vec<String> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort_unstable();
+        names
     }
 
     /// Writes `scene` as scene.toml and makes observed.exr with its own [medium].
     pub fn observe(&self, scene: &str) {
         self.write("scene.toml", scene);
+        // The program does not write over an image that the scene names.
+        let _ = std::fs::remove_file(self.file("observed.exr"));
         let run = self.run("render scene.toml --model small-angle --output observed.exr");
         assert_eq!(run.code, 0, "{}", run.stderr);
     }

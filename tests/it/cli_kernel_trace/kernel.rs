@@ -113,6 +113,22 @@ fn the_tracer_stands_beside_the_models_with_its_errors() {
 }
 
 #[test]
+fn numbers_come_as_json_too() {
+    let dir = tempfile::tempdir().unwrap();
+    let said = succeeds(dir.path(), &with(&["--json", "--photons", "1000"]));
+    let kernel: serde_json::Value = serde_json::from_str(&said).unwrap();
+    let number = |key: &str| kernel.pointer(key).and_then(serde_json::Value::as_f64).expect(key);
+    assert!((number("/tau") - 1.9).abs() < 1e-12 && (number("/direct") - (-2.0_f64).exp()).abs() < 1e-12);
+    let models: Vec<&str> =
+        kernel["models"].as_array().unwrap().iter().map(|m| m["model"].as_str().unwrap()).collect();
+    assert_eq!(models, MODELS);
+    // 1000 photons: five standard errors.
+    let scattered = number("/models/5/scattered");
+    let off = (number("/traced/scattered/value") - scattered).abs();
+    assert!(off < 5.0 * number("/traced/scattered/std_error"), "{scattered} {off}");
+}
+
+#[test]
 fn the_same_seed_gives_the_same_table() {
     let dir = tempfile::tempdir().unwrap();
     let run = |seed: &str| {

@@ -53,6 +53,15 @@ fn image_variance_and_the_rate_come_out() {
 }
 
 #[test]
+fn the_rate_comes_as_json_too() {
+    let dir = folder(&["Y"], MEDIUM);
+    let traced: serde_json::Value =
+        serde_json::from_str(&run(dir.path(), &["--samples", "4", "--seed", "7", "--json"])).unwrap();
+    assert_eq!((&traced["paths"], &traced["seed"]), (&1024.into(), &7.into()));
+    assert!(traced["paths_per_second"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
 fn the_variance_is_that_between_seeds() {
     let dir = folder(&["Y"], MEDIUM);
     let traced = |seed: &str| {
