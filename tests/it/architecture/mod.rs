@@ -74,6 +74,9 @@ const CRATES: &[Rule] = &[
     ("clap", "src/cli/"),
     ("indicatif", "src/cli/"),
     ("serde_json", "src/cli/"),
+    ("sha2", "src/cli/results/"),
+    ("rustix", "src/cli/console.rs src/cli/results/"),
+    ("signal_hook", "src/cli/signals.rs"),
     ("plotters", "src/plots/"),
     ("wgpu", "src/gpu/ src/filter/gpu/"),
 ];
