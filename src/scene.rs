@@ -10,10 +10,14 @@ mod format;
 mod illumination;
 mod images;
 mod layers;
+mod light;
 mod medium;
+mod noise;
+mod numbers;
 mod observation;
 mod read;
 mod sampling;
+mod saturation;
 mod source;
 mod variance;
 
@@ -32,6 +36,8 @@ pub struct Scene {
     pub path: PathBuf,
     /// Clear radiance of the object, one channel or R, G, B; its reflectance in a [`LitScene`] with `shading`.
     pub object: Vec<Channel>,
+    /// The noise of the object image, if it is not without.
+    pub object_noise: Option<Noise>,
     /// For each of these channels, the clear radiance of each further layer, nearest first.
     pub behind: Vec<Vec<Image>>,
     /// Camera, object distance, medium surface.
@@ -50,6 +56,27 @@ pub struct Scene {
     pub medium: Vec<PartialMedium>,
     /// Starting values, fixed values and bounds of a fit, one for each object channel.
     pub fit: Vec<FitOptions>,
+    /// What the user should know of the object image.
+    pub cautions: Vec<Caution>,
+}
+
+/// Something that the user should know of an image, though it can be read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Caution {
+    /// Its kind.
+    pub code: CautionCode,
+    /// What it is, and what can be done.
+    pub message: String,
+}
+
+/// Kinds of cautions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum CautionCode {
+    /// The transfer curve that is stated is not the one that the file names.
+    Transfer,
+    /// The clear image has saturated pixels.
+    Saturation,
 }
 
 impl Scene {
@@ -132,15 +159,26 @@ pub struct Observation {
     pub hidden_share_max: f64,
     /// Whether the image is aligned with the object's, or has to be registered.
     pub registration: Registration,
+    /// Pixels that the mask excludes for saturation.
+    pub saturated_pixels: usize,
+    /// What the user should know of the image.
+    pub cautions: Vec<Caution>,
 }
 
-/// The noise of an observation.
+/// The noise of an image.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Noise {
     /// One standard deviation for all pixels, above 0.
     Level(f64),
-    /// The variance of each pixel, the same channels as the observation's; above 0 where the mask does not exclude it.
+    /// That of a sensor: variance `read`² + `shot`² times the signal.
+    Sensor {
+        /// Standard deviation without light, above 0.
+        read: f64,
+        /// Standard deviation at the signal 1 without the former, at least 0.
+        shot: f64,
+    },
+    /// The variance of each pixel, the same channels as the image's; above 0 where the mask does not exclude it.
     Variance(Vec<Channel>),
 }
 

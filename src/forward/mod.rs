@@ -8,6 +8,7 @@
 mod device;
 mod engine;
 mod gram;
+mod kernel_power;
 mod kernels;
 mod products;
 mod quantity;
@@ -15,6 +16,7 @@ mod replay;
 
 pub use engine::{Engine, Parts, Rendered};
 pub use gram::GramModel;
+pub(crate) use kernel_power::kernel_power;
 pub use products::{Exposure, Pixel, Pixels, Products};
 pub(crate) use quantity::derivatives;
 pub use quantity::{Quantity, State};

@@ -1,6 +1,8 @@
-//! Files in and out: EXR images by name of channel, PNG pictures, and writing that never destroys an old file.
+//! Files in and out: images of all formats by name of channel, pictures, and writing that never destroys an old file.
 
 pub mod atomic;
 pub mod colour;
 pub mod exr;
+pub mod picture;
 pub mod png;
+pub mod transfer;

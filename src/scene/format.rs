@@ -1,5 +1,7 @@
 //! The keys of a scene file, as TOML tables. Unknown keys are refused by name.
 
+use super::light::TransferValue;
+use super::noise::NoiseValue;
 use super::source::Source;
 use crate::error::{Error, Result};
 use crate::image::Border;
@@ -42,6 +44,9 @@ pub(super) struct ObjectSection {
     #[serde(default)]
     pub border: Border,
     pub sampling: Option<String>,
+    pub transfer: Option<TransferValue>,
+    pub noise: Option<NoiseValue>,
+    pub depth_scale: Option<f64>,
     #[serde(default)]
     pub layer: Vec<LayerSection>,
 }
@@ -75,7 +80,9 @@ pub(super) struct ObservationSection {
     /// Size of the view while there is no observed image to take it from.
     pub size_px: Option<[usize; 2]>,
     pub offset_px: Option<[usize; 2]>,
-    pub noise: Option<f64>,
+    pub transfer: Option<TransferValue>,
+    pub noise: Option<NoiseValue>,
+    pub saturation: Option<f64>,
     pub variance: Option<PathBuf>,
     pub mask: Option<PathBuf>,
     #[serde(default)]
@@ -92,6 +99,7 @@ pub(super) struct ObservationSection {
 #[serde(deny_unknown_fields)]
 pub(super) struct IlluminationSection {
     pub image: Option<PathBuf>,
+    pub transfer: Option<TransferValue>,
     pub direction: Option<[f64; 3]>,
     pub irradiance: Option<Numbers>,
     pub normal: Option<[f64; 3]>,
@@ -190,7 +198,7 @@ impl Default for VeilValue {
     }
 }
 
-fn number(value: &Value) -> Option<f64> {
+pub(super) fn number(value: &Value) -> Option<f64> {
     match value {
         Value::Float(v) => Some(*v),
         Value::Integer(v) => Some(*v as f64),
@@ -203,7 +211,7 @@ fn array<const N: usize, T>(value: &Value, item: impl Fn(&Value) -> Option<T>) -
     value.as_array()?.iter().map(item).collect::<Option<Vec<T>>>()?.try_into().ok()
 }
 
-fn refused<T>(value: &Value, wanted: &str) -> std::result::Result<T, String> {
+pub(super) fn refused<T>(value: &Value, wanted: &str) -> std::result::Result<T, String> {
     Err(format!("{value} is not {wanted}"))
 }
 
@@ -233,7 +241,7 @@ impl TryFrom<Value> for NumberOrFile {
         match (number(&value), value.as_str()) {
             (Some(v), _) => Ok(Self::Number(v)),
             (_, Some(path)) => Ok(Self::File(path.into())),
-            _ => refused(&value, "a number, nor the name of an EXR file"),
+            _ => refused(&value, "a number, nor the name of an image file"),
         }
     }
 }
@@ -258,7 +266,7 @@ impl TryFrom<Value> for VeilValue {
             (Some(v), _) => Ok(Self::Number(v)),
             (_, Some("free")) => Ok(Self::Free),
             (_, Some(path)) => Ok(Self::File(path.into())),
-            _ => refused(&value, "a number, nor the name of an EXR file, nor \"free\""),
+            _ => refused(&value, "a number, nor the name of an image file, nor \"free\""),
         }
     }
 }

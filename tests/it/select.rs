@@ -66,6 +66,8 @@ impl Regime {
         let scene = Scene {
             path: PathBuf::from("scene"),
             object: gray(object),
+            object_noise: None,
+            cautions: Vec::new(),
             behind: vec![Vec::new()],
             geometry,
             depth_error: 0.0,
@@ -86,6 +88,8 @@ impl Regime {
             gain_error: 0.0,
             hidden_share_max: 0.01,
             registration: Registration::None,
+            saturated_pixels: 0,
+            cautions: Vec::new(),
         };
         ObservedScene { scene, observation }
     }

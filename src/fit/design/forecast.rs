@@ -69,6 +69,8 @@ impl Plan {
             gain_error: 0.0,
             hidden_share_max: HIDDEN_SHARE_MAX,
             registration: Registration::None,
+            saturated_pixels: 0,
+            cautions: Vec::new(),
         }
     }
 }

@@ -25,6 +25,8 @@ pub struct ExposureEstimate {
     pub pixels: usize,
     /// Pixels left out because of hidden light.
     pub hidden_pixels: usize,
+    /// Pixels left out because they are saturated.
+    pub saturated_pixels: usize,
     /// What lies between the pixels of the clear image.
     pub sampling: Sampling,
     /// Whether that was stated or shows in the image.
@@ -80,6 +82,7 @@ fn estimate(scene: &Eliminated, observed: &Observed, covariance: &Covariance) ->
         chi2: scene.chi2,
         pixels: observed.count(),
         hidden_pixels: observed.hidden,
+        saturated_pixels: observed.observation.saturated_pixels,
         sampling: observed.observation.target.sampling,
         sampling_is_known: observed.observation.sampling_is_known,
         gain_response: response(),

@@ -1,12 +1,17 @@
 //! What was observed: one channel of one scene, its pixels that count, and what enters it linearly.
 
 mod exposure;
+mod object_noise;
 mod observed;
+mod pixel_noise;
 mod registration;
+mod smooth;
 pub mod white_noise;
 
 pub(super) use exposure::{Linear, LinearTerm};
+pub(super) use object_noise::ObjectNoise;
 pub(super) use observed::{Levels, Observed};
+pub(super) use pixel_noise::Fitted;
 pub(super) use registration::Aligned;
 
 use crate::filter::Target;
@@ -32,6 +37,13 @@ pub enum VeilTerm<'a> {
 pub enum NoiseTerm<'a> {
     /// One standard deviation for all pixels.
     Level(f64),
+    /// That of a sensor: variance `read`² + `shot`² times the signal.
+    Sensor {
+        /// Standard deviation without light, above 0.
+        read: f64,
+        /// Standard deviation at the signal 1 without the former.
+        shot: f64,
+    },
     /// The variance of each pixel, an image of the view's size, above 0 where a pixel counts.
     Variance(&'a Image),
 }
@@ -49,6 +61,8 @@ pub struct Observation<'a> {
     pub hidden_share_max: f64,
     /// The noise of a pixel, if known.
     pub noise: Option<NoiseTerm<'a>>,
+    /// The noise of the object image, if it has some; a variance is an image of its size.
+    pub object_noise: Option<NoiseTerm<'a>>,
     /// Exposure.
     pub gain: Gain,
     /// Relative standard error of a gain that is given.
@@ -61,6 +75,8 @@ pub struct Observation<'a> {
     pub registration: Registration,
     /// Whether the object's sampling is known; if not, that is part of the model's error.
     pub sampling_is_known: bool,
+    /// Pixels that the mask excludes because they are saturated.
+    pub saturated_pixels: usize,
 }
 
 impl<'a> Observation<'a> {
@@ -72,12 +88,14 @@ impl<'a> Observation<'a> {
             mask: None,
             hidden_share_max: HIDDEN_SHARE_MAX,
             noise: None,
+            object_noise: None,
             gain: Gain::Fixed(1.0),
             gain_error: 0.0,
             depth_error: 0.0,
             veil: VeilTerm::Fixed(0.0),
             registration: Registration::None,
             sampling_is_known: true,
+            saturated_pixels: 0,
         }
     }
 

@@ -1,11 +1,14 @@
 //! One observed scene: which of its pixels count, with what weight, and how noisy they are.
 
 use super::exposure::Linear;
+use super::object_noise::ObjectNoise;
+use super::pixel_noise::first_variance;
 use super::{NoiseTerm, Observation, VeilTerm};
 use crate::error::{Error, Result, in_range};
 use crate::forward::{Exposure, Pixel, Pixels, Products};
 use crate::image::Image;
 use crate::scene::Gain;
+use std::sync::Arc;
 
 /// Relative error of a render: an observation without noise cannot be known better than that.
 const RENDER_ERROR: f64 = 1e-5;
@@ -24,8 +27,12 @@ pub(crate) struct Observed<'a> {
     pixels: Pixels,
     /// Pixels that do not because of hidden light.
     pub hidden: usize,
-    /// Standard deviation of a pixel of weight 1; where variances are given, the root of their harmonic mean.
+    /// Standard deviation of a pixel of weight 1; where pixels have variances of their own, the root of their harmonic mean.
     pub noise: f64,
+    /// The variance of each pixel, if not all have the same.
+    variance: Option<Arc<Image>>,
+    /// The noise of the clear image, if it has some.
+    pub object_noise: Option<ObjectNoise>,
 }
 
 impl<'a> Observed<'a> {
@@ -41,18 +48,28 @@ impl<'a> Observed<'a> {
                 Some(NoiseTerm::Level(noise)) => noise,
                 _ => 1.0,
             },
+            variance: None,
+            object_noise: ObjectNoise::new(observation),
         };
         observed.gather(|_| true);
         if observed.count() == 0 {
             return Err(Error::NothingToFit("the mask leaves no pixel".into()));
         }
-        if let Some(NoiseTerm::Variance(variance)) = observation.noise {
-            check_variances(variance, &observed.pixels)?;
-            let sum: f64 = observed.counted().iter().map(|p| f64::from(p.weight)).sum();
-            observed.noise = (observed.count() as f64 / sum).sqrt();
-            observed.gather(|_| true);
+        if let Some(variance) = first_variance(observation) {
+            check_variances(&variance, &observed.pixels)?;
+            observed.set_variance(variance);
         }
         Ok(observed)
+    }
+
+    /// Weighs each pixel by its `variance` from now on.
+    pub(super) fn set_variance(&mut self, variance: Image) {
+        let inverse = |p: &Pixel| 1.0 / f64::from(variance.data[p.index as usize]);
+        let sum: f64 = self.counted().iter().map(inverse).sum();
+        self.noise = (self.count() as f64 / sum).sqrt();
+        self.variance = Some(Arc::new(variance));
+        let counts = std::mem::take(&mut self.counts);
+        self.gather(|i| counts[i]);
     }
 
     /// Gathers the pixels that the mask lets count, if they are `shown`.
@@ -64,9 +81,10 @@ impl<'a> Observed<'a> {
             VeilTerm::Free => 0.0,
         };
         let unit = self.noise * self.noise;
-        let weight = |i: usize| match observation.noise {
-            Some(NoiseTerm::Variance(image)) => (unit / f64::from(image.data[i])) as f32,
-            _ => 1.0,
+        let variance = self.variance.clone();
+        let weight = |i: usize| match &variance {
+            Some(image) => (unit / f64::from(image.data[i])) as f32,
+            None => 1.0,
         };
         let all = &observation.observed.data;
         let unmasked = |i: &usize| observation.is_unmasked(*i);
@@ -74,6 +92,9 @@ impl<'a> Observed<'a> {
         self.hidden = (0..all.len()).filter(unmasked).filter(|&i| !shown(i)).count();
         let pixel = |i: usize| Pixel { index: i as u32, value: all[i] - veil(i), weight: weight(i) };
         self.pixels.counted = (0..all.len()).filter(|&i| self.counts[i]).map(pixel).collect();
+        if let Some(noise) = &mut self.object_noise {
+            noise.observe(&self.pixels.counted);
+        }
     }
 
     /// Leaves out the pixels of which more than the observation's share of light may be hidden; returns whether that

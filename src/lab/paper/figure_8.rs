@@ -127,6 +127,8 @@ pub fn scene(side: usize) -> Result<(LitScene, Vec<Medium>)> {
     let scene = Scene {
         path: PathBuf::from("figure 8"),
         object: (0..3).map(colour).collect(),
+        object_noise: None,
+        cautions: Vec::new(),
         behind: vec![Vec::new(); 3],
         geometry: Geometry {
             width: side,

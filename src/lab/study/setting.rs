@@ -147,6 +147,8 @@ impl Setting {
         let scene = Scene {
             path: PathBuf::from("plane"),
             object: gray(self.texture.image(self.side)),
+            object_noise: None,
+            cautions: Vec::new(),
             behind: vec![Vec::new()],
             geometry: self.geometry()?,
             depth_error: 0.0,
@@ -167,6 +169,8 @@ impl Setting {
             gain_error: 0.0,
             hidden_share_max: HIDDEN_SHARE_MAX,
             registration: Registration::None,
+            saturated_pixels: 0,
+            cautions: Vec::new(),
         };
         Ok(ObservedScene { scene, observation })
     }

@@ -96,7 +96,7 @@ impl Anomalies<'_> {
     /// A variance that follows the brightness, where one number is assumed.
     fn brightness(&self) -> Option<Finding> {
         let given = self.frame.observed().observation.noise;
-        if matches!(given, Some(NoiseTerm::Variance(_))) || self.variance <= 0.0 {
+        if matches!(given, Some(NoiseTerm::Variance(_) | NoiseTerm::Sensor { .. })) || self.variance <= 0.0 {
             return None;
         }
         let pixels = self.frame.observed().counted();
