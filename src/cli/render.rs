@@ -3,14 +3,15 @@
 use super::backend::Chosen;
 use super::errors::Usage;
 use super::options::{
-    MediumOptions, RenderOptions, TracingOptions, exr_or_png, has_extension, provenance, record_of,
+    MediumOptions, RenderOptions, TracingOptions, exr_or_png, has_extension, output_image, provenance,
+    record_of,
 };
 use super::progress::Progress;
 use crate::filter::{CUT, Filter, Target};
 use crate::forward::Engine;
 use crate::geometry::path_lengths;
 use crate::image::{Channel, Image};
-use crate::io::{atomic, exr};
+use crate::io::{atomic, exr, picture};
 use crate::plots::{Figure, Panel, Shade};
 use crate::scene::Scene;
 use anyhow::Result;
@@ -29,8 +30,8 @@ pub(super) struct Arguments {
     tracing: TracingOptions,
     #[command(flatten)]
     medium: MediumOptions,
-    /// Image to write
-    #[arg(long, value_name = "FILE.exr")]
+    /// Image to write, in the format that its name ends in: .exr, .tif, .pfm or .hdr (linear), or .png (an 8-bit picture)
+    #[arg(long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(output_image))]
     output: PathBuf,
     /// Also write the share of each pixel's light that may be hidden behind near surfaces, where no layer shows it: an
     /// EXR of the object's channels, or a PNG picture
@@ -78,7 +79,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     attributes.push(("filter".into(), Filter::of(relief.as_ref()).name().into()));
     attributes.push(("backend".into(), chosen.describe()));
     attributes.extend(record_of(&media));
-    exr::write(&arguments.output, &channels, &attributes)?;
+    picture::write(&arguments.output, &channels, &attributes)?;
     match &arguments.hidden_share {
         Some(path) if has_extension(path, "png") => draw_hidden_share(path, &scene, shares)?,
         Some(path) => exr::write(path, &shares, &attributes)?,

@@ -76,10 +76,9 @@ fn sinc(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::phase::Phase;
 
     fn power(model: Model, sampling: Sampling, sigma_s: f64) -> DMatrix<f64> {
-        let medium = Medium::new(sigma_s, 0.1, Phase::gaussian(0.005).unwrap()).unwrap();
+        let medium = Medium::gaussian(sigma_s, 0.1, 0.005).unwrap();
         kernel_power(model, &medium, (2.0, 0.02), sampling).unwrap()
     }
 

@@ -9,7 +9,6 @@ mod smooth;
 pub mod white_noise;
 
 pub(super) use exposure::{Linear, LinearTerm};
-pub(super) use object_noise::ObjectNoise;
 pub(super) use observed::{Levels, Observed};
 pub(super) use pixel_noise::Fitted;
 pub(super) use registration::Aligned;

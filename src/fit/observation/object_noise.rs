@@ -32,7 +32,7 @@ pub(crate) struct ObjectNoise {
     expected: f64,
 }
 
-/// Some pixels, all about as far away.
+/// Some pixels, all about as far away; z is 0 if there are none.
 #[derive(Debug, Clone, Copy, Default)]
 struct Depth {
     z: f64,
@@ -92,7 +92,10 @@ impl ObjectNoise {
         medium: &Medium,
         observation: &Observation,
     ) -> Result<Vec<f64>> {
-        let power = |depth: &Depth| Ok(depth.power(model, medium, observation)?[(0, 0)]);
+        let power = |depth: &Depth| match depth.z {
+            0.0 => Ok(0.0),
+            _ => Ok(depth.power(model, medium, observation)?[(0, 0)]),
+        };
         let powers = self.depths.iter().map(power).collect::<Result<Vec<f64>>>()?;
         let of =
             |(depth, v): (&Option<u8>, &f32)| depth.map_or(0.0, |d| powers[usize::from(d)] * f64::from(*v));

@@ -121,13 +121,15 @@ impl<'a> Observed<'a> {
         Ok(true)
     }
 
-    /// The same pixels and noise with another image in place of the observation.
+    /// The same pixels and noise with another image in place of the observation: a render of the object as it stands, whose noise
+    /// is no error there.
     pub(crate) fn seen_as<'b>(&self, image: &'b Image) -> Observed<'b>
     where
         'a: 'b,
     {
         let mut other: Observed<'b> = self.clone();
         other.observation.observed = image;
+        other.object_noise = None;
         other.gather(|i| self.counts[i]);
         other
     }
