@@ -29,7 +29,7 @@ TEXELS = 2
 # Pixels around the frame that are rendered, for lens and warp, and texture around them that sends light in.
 RENDERED_PX = 8
 AROUND_PX = 40
-WIDTH_PX, HEIGHT_PX = 128, 96
+WIDTH_PX, HEIGHT_PX = 192, 144
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ mod read;
 mod sampling;
 mod saturation;
 mod source;
+mod value;
 mod variance;
 
 pub use medium::read_truth;
@@ -159,6 +160,8 @@ pub struct Observation {
     pub hidden_share_max: f64,
     /// Whether the image is aligned with the object's, or has to be registered.
     pub registration: Registration,
+    /// What large residuals count.
+    pub loss: Loss,
     /// Pixels that the mask excludes for saturation.
     pub saturated_pixels: usize,
     /// What the user should know of the image.
@@ -217,6 +220,17 @@ pub enum Registration {
     None,
     /// It is shifted by fractions of a pixel or more, which the fit finds.
     Shift,
+}
+
+/// What a residual adds to the cost of a fit.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Loss {
+    /// Its square: noise is normal.
+    #[default]
+    Gaussian,
+    /// Its square up to 1.345 standard deviations, its magnitude beyond (Huber 1964): a few pixels may be far off.
+    Huber,
 }
 
 /// The user's options for the fit of one channel.

@@ -71,9 +71,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let text = text(arguments, &is_photograph)?;
     atomic::write(&path, text.as_bytes())?;
     // Only what a fit can read stays.
-    let looked = ObservedScene::read(&path).and_then(|scene| Looks::at(&scene));
-    let (scene, looks) = match looked {
-        Ok(looks) => (ObservedScene::read(&path)?, looks),
+    let looked = ObservedScene::read(&path).and_then(|scene| Ok((Looks::at(&scene)?, scene)));
+    let (looks, scene) = match looked {
+        Ok(looked) => looked,
         Err(error) => {
             atomic::remove(&path)?;
             if !existed {

@@ -191,6 +191,7 @@ fn observation<'a>(seen: &'a ObservedScene, relief: Option<&'a Relief>, i: usize
         },
         registration: observation.registration,
         sampling_is_known: scene.sampling_is_known,
+        loss: observation.loss,
         saturated_pixels: observation.saturated_pixels,
     }
 }

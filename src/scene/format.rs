@@ -1,8 +1,7 @@
 //! The keys of a scene file, as TOML tables. Unknown keys are refused by name.
 
-use super::light::TransferValue;
-use super::noise::NoiseValue;
 use super::source::Source;
+use super::value::{NoiseValue, TransferValue, array, number, refused};
 use crate::error::{Error, Result};
 use crate::image::Border;
 use serde::Deserialize;
@@ -83,6 +82,7 @@ pub(super) struct ObservationSection {
     pub transfer: Option<TransferValue>,
     pub noise: Option<NoiseValue>,
     pub saturation: Option<f64>,
+    pub loss: Option<String>,
     pub variance: Option<PathBuf>,
     pub mask: Option<PathBuf>,
     #[serde(default)]
@@ -196,23 +196,6 @@ impl Default for VeilValue {
     fn default() -> Self {
         Self::Number(0.0)
     }
-}
-
-pub(super) fn number(value: &Value) -> Option<f64> {
-    match value {
-        Value::Float(v) => Some(*v),
-        Value::Integer(v) => Some(*v as f64),
-        _ => None,
-    }
-}
-
-/// The array's items, if there are `N` and `item` accepts all of them.
-fn array<const N: usize, T>(value: &Value, item: impl Fn(&Value) -> Option<T>) -> Option<[T; N]> {
-    value.as_array()?.iter().map(item).collect::<Option<Vec<T>>>()?.try_into().ok()
-}
-
-pub(super) fn refused<T>(value: &Value, wanted: &str) -> std::result::Result<T, String> {
-    Err(format!("{value} is not {wanted}"))
 }
 
 impl TryFrom<Value> for Numbers {

@@ -1,41 +1,15 @@
 //! Images that show light. Those of photographs become radiance as the `transfer` of their section says, which must be stated: what
 //! a file says of itself is often wrong.
 
-use super::format::{number, refused};
 use super::source::Source;
+use super::value::TransferValue;
 use super::{Caution, CautionCode};
 use crate::error::{Error, Result};
 use crate::image::Channel;
 use crate::io::picture::ImageFile;
 use crate::io::picture::{Codes, Picture};
 use crate::io::transfer::{Response, Transfer};
-use serde::Deserialize;
-use std::path::{Path, PathBuf};
-use toml::Value;
-
-/// `transfer`: a name, a power or a file.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(try_from = "Value")]
-pub(super) enum TransferValue {
-    Linear,
-    Srgb,
-    Gamma(f64),
-    File(PathBuf),
-}
-
-impl TryFrom<Value> for TransferValue {
-    type Error = String;
-
-    fn try_from(value: Value) -> std::result::Result<Self, String> {
-        match (number(&value), value.as_str()) {
-            (Some(v), _) => Ok(Self::Gamma(v)),
-            (_, Some("linear")) => Ok(Self::Linear),
-            (_, Some("srgb")) => Ok(Self::Srgb),
-            (_, Some(path)) if path.ends_with(".csv") => Ok(Self::File(path.into())),
-            _ => refused(&value, "\"linear\", \"srgb\", a gamma, nor the name of a CSV file"),
-        }
-    }
-}
+use std::path::Path;
 
 /// Reads the images of one section.
 pub(super) struct LightReader<'a> {

@@ -3,11 +3,11 @@
 use super::format::{NumberOrFree, ObservationSection, VeilValue};
 use super::images::{Frame, check_pixels, check_size};
 use super::light::{Light, LightReader};
-use super::noise::NoiseValue;
 use super::numbers::shares;
 use super::saturation::{ceiling, left_out};
 use super::source::Source;
-use super::{Caution, CautionCode, Gain, HIDDEN_SHARE_MAX, Observation, Registration, Scene, Veil};
+use super::value::NoiseValue;
+use super::{Caution, CautionCode, Gain, HIDDEN_SHARE_MAX, Loss, Observation, Registration, Scene, Veil};
 use crate::error::{Error, Result};
 use crate::image::{Channel, Image, Sampling, View};
 use crate::io::picture;
@@ -167,6 +167,7 @@ pub(super) fn read_observation(
         veil,
         hidden_share_max,
         registration,
+        loss: read_loss(source, section.loss.as_deref())?,
         saturated_pixels: 0,
         cautions: caution.into_iter().collect(),
     };
@@ -219,6 +220,16 @@ impl Observation {
                 *counts = 0.0;
                 self.saturated_pixels += 1;
             }
+        }
+    }
+}
+
+fn read_loss(source: &Source, name: Option<&str>) -> Result<Loss> {
+    match name {
+        None | Some("gaussian") => Ok(Loss::Gaussian),
+        Some("huber") => Ok(Loss::Huber),
+        Some(other) => {
+            Err(source.error(format!("[observation] loss: unknown loss {other}; known are gaussian, huber")))
         }
     }
 }

@@ -12,7 +12,7 @@ use narrowbeam::image::{Border, Channel, Image, Sampling, View};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{PhaseFunction, b_of_spread_angle};
 use narrowbeam::scene::{
-    FitOptions, Gain, Noise, Observation, ObservedScene, ParameterOptions, PartialMedium, Registration,
+    FitOptions, Gain, Loss, Noise, Observation, ObservedScene, ParameterOptions, PartialMedium, Registration,
     Scene, Veil,
 };
 use narrowbeam::spread::Model;
@@ -88,6 +88,7 @@ impl Regime {
             gain_error: 0.0,
             hidden_share_max: 0.01,
             registration: Registration::None,
+            loss: Loss::Gaussian,
             saturated_pixels: 0,
             cautions: Vec::new(),
         };

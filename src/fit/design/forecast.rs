@@ -12,8 +12,8 @@ use crate::image::{Channel, Sampling};
 use crate::medium::Medium;
 use crate::phase::PhaseFunction;
 use crate::scene::{
-    FitOptions, Gain, HIDDEN_SHARE_MAX, Noise, Observation, ObservedScene, ParameterOptions, Registration,
-    Scene, Veil,
+    FitOptions, Gain, HIDDEN_SHARE_MAX, Loss, Noise, Observation, ObservedScene, ParameterOptions,
+    Registration, Scene, Veil,
 };
 use crate::spread::Model;
 
@@ -69,6 +69,7 @@ impl Plan {
             gain_error: 0.0,
             hidden_share_max: HIDDEN_SHARE_MAX,
             registration: Registration::None,
+            loss: Loss::Gaussian,
             saturated_pixels: 0,
             cautions: Vec::new(),
         }

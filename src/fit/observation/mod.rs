@@ -1,22 +1,24 @@
 //! What was observed: one channel of one scene, its pixels that count, and what enters it linearly.
 
 mod exposure;
+mod huber;
 mod object_noise;
 mod observed;
 mod pixel_noise;
 mod registration;
 mod smooth;
+mod weigh;
 pub mod white_noise;
 
 pub(super) use exposure::{Linear, LinearTerm};
 pub(super) use observed::{Levels, Observed};
-pub(super) use pixel_noise::Fitted;
 pub(super) use registration::Aligned;
+pub(super) use weigh::Fitted;
 
 use crate::filter::Target;
 use crate::forward::Exposure;
 use crate::image::Image;
-use crate::scene::{Gain, HIDDEN_SHARE_MAX, Registration};
+use crate::scene::{Gain, HIDDEN_SHARE_MAX, Loss, Registration};
 
 /// The veil of one channel, in units of the observation.
 #[derive(Debug, Clone, Copy)]
@@ -74,6 +76,8 @@ pub struct Observation<'a> {
     pub registration: Registration,
     /// Whether the object's sampling is known; if not, that is part of the model's error.
     pub sampling_is_known: bool,
+    /// What large residuals count.
+    pub loss: Loss,
     /// Pixels that the mask excludes because they are saturated.
     pub saturated_pixels: usize,
 }
@@ -94,6 +98,7 @@ impl<'a> Observation<'a> {
             veil: VeilTerm::Fixed(0.0),
             registration: Registration::None,
             sampling_is_known: true,
+            loss: Loss::Gaussian,
             saturated_pixels: 0,
         }
     }

@@ -209,7 +209,7 @@ impl<'x, 'a> Driver<'x, 'a> {
         let mut change: f64 = 0.0;
         for (scene, (model, image)) in self.models.iter().zip(images).enumerate() {
             let observed = &mut self.observed[scene];
-            if observed.observation.noise.is_some() {
+            if observed.observation.noise.is_some() || observed.weights_are_fitted() {
                 continue;
             }
             let noise = match model.noise() {

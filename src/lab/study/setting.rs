@@ -8,7 +8,7 @@ use crate::image::{Border, Channel, Image, Sampling, View};
 use crate::medium::Medium;
 use crate::phase::PhaseFunction;
 use crate::scene::{
-    FitOptions, Gain, HIDDEN_SHARE_MAX, Noise, Observation, ObservedScene, PartialMedium, Registration,
+    FitOptions, Gain, HIDDEN_SHARE_MAX, Loss, Noise, Observation, ObservedScene, PartialMedium, Registration,
     Scene, Veil,
 };
 use crate::spread::Model;
@@ -169,6 +169,7 @@ impl Setting {
             gain_error: 0.0,
             hidden_share_max: HIDDEN_SHARE_MAX,
             registration: Registration::None,
+            loss: Loss::Gaussian,
             saturated_pixels: 0,
             cautions: Vec::new(),
         };

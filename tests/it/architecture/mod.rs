@@ -28,7 +28,7 @@ const LAYERS: &[Rule] = &[
     ("scene", "error image phase medium geometry io illumination"),
     ("filter", "error chebyshev quadrature image phase medium geometry relief gpu spread"),
     ("synthesis", "error image medium spread illumination scene filter"),
-    ("forward", "error image phase medium geometry relief spread trace filter"),
+    ("forward", "error quadrature image phase medium geometry relief spread trace filter"),
     ("fit", "error image phase medium geometry relief spread scene filter forward"),
     (
         "lab",
@@ -74,6 +74,8 @@ const CRATES: &[Rule] = &[
     ("indicatif", "src/cli/"),
     ("serde_json", "src/cli/"),
     ("plotters", "src/plots/"),
+    ("zune_hdr", "src/io/picture/"),
+    ("zune_jpeg", "src/io/picture/"),
     ("wgpu", "src/gpu/ src/filter/gpu/"),
 ];
 
