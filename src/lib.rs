@@ -84,7 +84,7 @@
 //! | [`fit`] | estimates, their errors, the report |
 //! | [`gpu`] | compute on graphics adapters; contains no optics |
 //! | [`trace`] | photon tracer: an independent check, uses neither `spread` nor `filter` nor `fit` |
-//! | [`scene`], [`io`] | scene files; EXR and PNG |
+//! | [`scene`], [`io`] | scene files; images of all formats |
 //! | [`error`](mod@error) | every error, naming its cause |
 //!
 //! What a user needs is documented here. Enums that will grow are `non_exhaustive`. Items that only the tests reach, such as the

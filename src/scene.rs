@@ -5,17 +5,23 @@
 //! is returned needs no further checks.
 
 mod background;
+mod camera;
 mod files;
 mod fit_options;
 mod format;
 mod illumination;
 mod images;
 mod layers;
+mod light;
 mod medium;
+mod noise;
+mod numbers;
 mod observation;
 mod read;
 mod sampling;
+mod saturation;
 mod source;
+mod value;
 mod variance;
 
 pub use medium::read_truth;
@@ -36,6 +42,8 @@ pub struct Scene {
     pub files: Vec<PathBuf>,
     /// Clear radiance of the object, one channel or R, G, B; its reflectance in a [`LitScene`] with `shading`.
     pub object: Vec<Channel>,
+    /// The noise of the object image, if it is not without.
+    pub object_noise: Option<Noise>,
     /// For each of these channels, the clear radiance of each further layer, nearest first.
     pub behind: Vec<Vec<Image>>,
     /// Camera, object distance, medium surface.
@@ -54,6 +62,27 @@ pub struct Scene {
     pub medium: Vec<PartialMedium>,
     /// Starting values, fixed values and bounds of a fit, one for each object channel.
     pub fit: Vec<FitOptions>,
+    /// What the user should know of the object image.
+    pub cautions: Vec<Caution>,
+}
+
+/// Something that the user should know of an image, though it can be read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Caution {
+    /// Its kind.
+    pub code: CautionCode,
+    /// What it is, and what can be done.
+    pub message: String,
+}
+
+/// Kinds of cautions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum CautionCode {
+    /// The transfer curve that is stated is not the one that the file names.
+    Transfer,
+    /// The clear image has saturated pixels.
+    Saturation,
 }
 
 impl Scene {
@@ -140,6 +169,12 @@ pub struct Observation {
     pub blur: Choice<Blur>,
     /// How its gain varies over the view.
     pub gain_field: Choice<GainField>,
+    /// What large residuals count.
+    pub loss: Loss,
+    /// Pixels that the mask excludes for saturation.
+    pub saturated_pixels: usize,
+    /// What the user should know of the image.
+    pub cautions: Vec<Caution>,
 }
 
 impl Observation {
@@ -151,13 +186,20 @@ impl Observation {
     }
 }
 
-/// The noise of an observation.
+/// The noise of an image.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Noise {
     /// One standard deviation for all pixels, above 0.
     Level(f64),
-    /// The variance of each pixel, the same channels as the observation's; above 0 where the mask does not exclude it.
+    /// That of a sensor: variance `read`² + `shot`² times the signal.
+    Sensor {
+        /// Standard deviation without light, above 0.
+        read: f64,
+        /// Standard deviation at the signal 1 without the former, at least 0.
+        shot: f64,
+    },
+    /// The variance of each pixel, the same channels as the image's; above 0 where the mask does not exclude it.
     Variance(Vec<Channel>),
 }
 
@@ -188,6 +230,17 @@ pub enum Veil {
 /// Default share of hidden light above which a pixel does not count: a smaller share is lost in the noise of ordinary
 /// images.
 pub const HIDDEN_SHARE_MAX: f64 = 0.01;
+
+/// What a residual adds to the cost of a fit.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Loss {
+    /// Its square: noise is normal.
+    #[default]
+    Gaussian,
+    /// Its square up to 1.345 standard deviations, its magnitude beyond (Huber 1964): a few pixels may be far off.
+    Huber,
+}
 
 /// The user's options for the fit of one channel.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -8,6 +8,7 @@ mod documents;
 mod errors;
 mod fit;
 mod forecast;
+mod init;
 mod kernel;
 mod names;
 mod options;
@@ -50,6 +51,8 @@ enum Command {
     Fit(fit::Arguments),
     /// Predict the errors and correlations of a planned measurement
     Forecast(forecast::Arguments),
+    /// Write a scene file for two photographs, look at them, and say what to expect of a fit
+    Init(init::Arguments),
     /// Render a scene through its medium with a spread model
     Render(render::Arguments),
     /// Synthesize a scene's image: direct and scattered light of the object, and the veil of the illumination
@@ -104,6 +107,7 @@ fn run(command: Command) -> anyhow::Result<ExitCode> {
     match command {
         Command::Fit(arguments) => fit::run(&arguments),
         Command::Forecast(arguments) => forecast::run(&arguments),
+        Command::Init(arguments) => init::run(&arguments),
         Command::Render(arguments) => render::run(&arguments),
         Command::Synthesize(arguments) => synthesize::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),

@@ -6,6 +6,7 @@ use super::names::WantedModel;
 use crate::filter::Filter;
 use crate::forward::{MOST_PATHS, Tracing};
 use crate::geometry::PathLengths;
+use crate::io::picture::{OUTPUTS, is_output};
 use crate::medium::Medium;
 use crate::phase::PhaseFunction;
 use crate::phase::{Family, b_of_spread_angle};
@@ -139,6 +140,11 @@ pub(super) fn exr_or_png(path: PathBuf) -> Result<PathBuf, &'static str> {
     } else {
         Err("must end in .exr or .png")
     }
+}
+
+/// A path to an image of a format that is written.
+pub(super) fn output_image(path: PathBuf) -> Result<PathBuf, String> {
+    if is_output(&path) { Ok(path) } else { Err(format!("must end in {OUTPUTS}")) }
 }
 
 /// Whether `path` ends in `extension`, in any case.

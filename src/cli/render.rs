@@ -3,7 +3,7 @@
 use super::backend::Chosen;
 use super::console::warn;
 use super::errors::Usage;
-use super::options::{MediumOptions, RenderOptions, TracingOptions, exr_or_png, has_extension};
+use super::options::{MediumOptions, RenderOptions, TracingOptions, exr_or_png, has_extension, output_image};
 use super::outputs;
 use super::progress::Progress;
 use super::record::{provenance, record_of, tell_inputs};
@@ -11,8 +11,8 @@ use crate::filter::{CUT, Filter, Target};
 use crate::forward::Engine;
 use crate::geometry::path_lengths;
 use crate::image::{Channel, Image};
-use crate::io::exr;
 use crate::io::identity::same;
+use crate::io::{exr, picture};
 use crate::plots::{Figure, Panel, Shade};
 use crate::scene::Scene;
 use anyhow::Result;
@@ -31,8 +31,8 @@ pub(super) struct Arguments {
     tracing: TracingOptions,
     #[command(flatten)]
     medium: MediumOptions,
-    /// Image to write
-    #[arg(long, value_name = "FILE.exr")]
+    /// Image to write, in the format that its name ends in: .exr, .tif, .pfm or .hdr (linear), or .png (an 8-bit picture)
+    #[arg(long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(output_image))]
     output: PathBuf,
     /// Also write the share of each pixel's light that may be hidden behind near surfaces, where no layer shows it: an
     /// EXR of the object's channels, or a PNG picture
@@ -81,7 +81,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     attributes.push(("filter".into(), Filter::of(relief.as_ref()).name().into()));
     attributes.push(("backend".into(), chosen.describe()));
     attributes.extend(record_of(&media));
-    exr::write(&arguments.output, &channels, &attributes)?;
+    picture::write(&arguments.output, &channels, &attributes)?;
     match &arguments.hidden_share {
         Some(path) if has_extension(path, "png") => draw_hidden_share(path, &scene, shares)?,
         Some(path) => exr::write(path, &shares, &attributes)?,

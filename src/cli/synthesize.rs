@@ -4,16 +4,15 @@ use super::backend::Chosen;
 use super::console::warn;
 use super::errors::Usage;
 use super::names::WantedModel;
-use super::options::{MediumOptions, RenderOptions, exr_or_png, has_extension, validity};
+use super::options::{MediumOptions, RenderOptions, output_image, validity};
 use super::outputs;
 use super::progress::Progress;
 use super::record::{provenance, record_of, tell_inputs};
 use crate::filter::CUT;
 use crate::geometry::median;
 use crate::image::Channel;
-use crate::io::colour::Tone;
 use crate::io::identity::same;
-use crate::io::{exr, png};
+use crate::io::{exr, picture};
 use crate::phase::PhaseFunction;
 use crate::scene::LitScene;
 use crate::spread::{Model, SMALL_ANGLE_LIMIT, small_angle_error};
@@ -32,8 +31,8 @@ pub(super) struct Arguments {
     rendering: RenderOptions,
     #[command(flatten)]
     medium: MediumOptions,
-    /// Image to write: direct + scattered object light + veil, an EXR of the object's channels or a PNG picture
-    #[arg(long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(exr_or_png))]
+    /// Image to write: direct + scattered object light + veil, as .exr, .tif, .pfm or .hdr (linear), or .png (an 8-bit picture)
+    #[arg(long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(output_image))]
     output: PathBuf,
     /// Also write its parts as channels of an EXR: clear.R (object in clear air), direct.R, scattered.R, veil.R, ...
     #[arg(long, value_name = "FILE.exr")]
@@ -66,11 +65,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     attributes.push(("backend".into(), chosen.describe()));
     attributes.extend(record_of(&media));
     let total = made.total();
-    if has_extension(&arguments.output, "png") {
-        png::write_picture(&arguments.output, &total, Tone::of(&total))?;
-    } else {
-        exr::write(&arguments.output, &total, &attributes)?;
-    }
+    picture::write(&arguments.output, &total, &attributes)?;
     if let Some(path) = &arguments.parts {
         exr::write(path, &layers(&made), &attributes)?;
     }

@@ -1,15 +1,16 @@
 //! `narrowbeam trace`: a scene's image by following paths, with the variance of each pixel.
 
 use super::console::answer;
-use super::options::MediumOptions;
+use super::options::{MediumOptions, has_extension, output_image};
 use super::outputs;
 use super::progress::Progress;
 use super::record::{provenance, record_of, tell_inputs};
 use crate::image::{Channel, Image};
-use crate::io::exr;
+use crate::io::{exr, picture};
 use crate::medium::Medium;
 use crate::scene::Scene;
 use crate::trace::{ImageConfig, trace_image};
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -28,8 +29,9 @@ pub(super) struct Arguments {
     seed: u64,
     #[command(flatten)]
     medium: MediumOptions,
-    /// EXR file to write: channels Y and Y.variance, or R, R.variance, G, ...
-    #[arg(long, value_name = "FILE")]
+    /// Image to write: an EXR of the channels Y and Y.variance, or R, R.variance, G, ...; without the variances a .tif, .pfm or .hdr
+    /// (linear), or a .png (an 8-bit picture)
+    #[arg(long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(output_image))]
     output: PathBuf,
     /// Print the numbers as JSON, alone on stdout
     #[arg(long)]
@@ -76,7 +78,14 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let seconds = start.elapsed().as_secs_f64();
     drop(progress);
 
-    exr::write(&arguments.output, &channels, &record(arguments, &media))?;
+    let attributes = record(arguments, &media);
+    if has_extension(&arguments.output, "exr") {
+        exr::write(&arguments.output, &channels, &attributes)?;
+    } else {
+        // Each mean is followed by its variance.
+        let means: Vec<Channel> = channels.into_iter().step_by(2).collect();
+        picture::write(&arguments.output, &means, &attributes)?;
+    }
     let rate = paths as f64 / seconds / 1e6;
     let traced = Traced { paths, seconds, paths_per_second: paths as f64 / seconds, seed: arguments.seed };
     let text = format!("traced {paths} paths in {seconds:.2} s: {rate:.2} million paths/s\n");

@@ -4,7 +4,7 @@ use super::inference::ChannelFit;
 use super::interval::Intervals;
 use super::observation::{NoiseTerm, Observation, VeilTerm};
 use super::parameters::Parameters;
-use super::report::{Fit, Ways, suffix};
+use super::report::{Fit, Warning, Ways, suffix};
 use super::{Settings, fit_channel};
 use crate::error::{Error, Result};
 use crate::filter::{Filter, Target};
@@ -140,7 +140,11 @@ pub fn fit_scenes(
         channels.push((name.to_string(), fit_channel(&observations, &first.fit[i], settings, progress)?));
     }
     let used = Filter::of(reliefs.iter().flatten().next());
-    let report = Fit::new(&channels, settings, used, clock.elapsed().as_secs_f64());
+    let mut report = Fit::new(&channels, settings, used, clock.elapsed().as_secs_f64());
+    for seen in scenes {
+        let cautions = seen.scene.cautions.iter().chain(&seen.observation.cautions);
+        report.warnings.extend(cautions.map(Warning::from));
+    }
     Ok(SceneFit { channels, report })
 }
 
@@ -174,10 +178,8 @@ fn observation<'a>(seen: &'a ObservedScene, relief: Option<&'a Relief>, i: usize
         observed: &observation.image[i].image,
         mask: observation.mask.as_ref(),
         hidden_share_max: observation.hidden_share_max,
-        noise: observation.noise.as_ref().map(|noise| match noise {
-            Noise::Level(v) => NoiseTerm::Level(*v),
-            Noise::Variance(channels) => NoiseTerm::Variance(&channels[i].image),
-        }),
+        noise: observation.noise.as_ref().map(|noise| noise_term(noise, i)),
+        object_noise: scene.object_noise.as_ref().map(|noise| noise_term(noise, i)),
         gain: observation.gain,
         gain_error: observation.gain_error,
         depth_error: scene.depth_error,
@@ -191,5 +193,16 @@ fn observation<'a>(seen: &'a ObservedScene, relief: Option<&'a Relief>, i: usize
         blur: observation.blur.least(),
         gain_field: observation.gain_field.least(),
         sampling_is_known: scene.sampling_is_known,
+        loss: observation.loss,
+        saturated_pixels: observation.saturated_pixels,
+    }
+}
+
+/// The noise of channel `i`.
+fn noise_term(noise: &Noise, i: usize) -> NoiseTerm<'_> {
+    match noise {
+        Noise::Level(v) => NoiseTerm::Level(*v),
+        Noise::Sensor { read, shot } => NoiseTerm::Sensor { read: *read, shot: *shot },
+        Noise::Variance(channels) => NoiseTerm::Variance(&channels[i].image),
     }
 }

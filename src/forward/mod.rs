@@ -9,6 +9,7 @@ mod device;
 mod engine;
 mod gram;
 mod imaged;
+mod kernel_power;
 mod kernels;
 mod products;
 mod quantity;
@@ -17,6 +18,7 @@ mod replay;
 
 pub use engine::{Engine, Parts, Rendered};
 pub use gram::GramModel;
+pub(crate) use kernel_power::kernel_power;
 pub use products::{Exposure, Pixel, Pixels, Products, Veil};
 pub use quantity::{Quantity, State};
 pub use rendering::Rendering;

@@ -162,6 +162,31 @@ impl Products {
         Self { reference: pixels.reference, derivatives, matrix: total(chunks, size) }
     }
 
+    /// Takes out what noise of the object is expected to add: `power` to the products of render and derivatives in the medium, of which
+    /// `left` stays in those of the residual.
+    pub(crate) fn without_object_noise(mut self, power: &DMatrix<f64>, left: f64) -> Self {
+        let of = |i: usize| match i {
+            0 => Some((0, 1.0)),
+            i if i <= self.derivatives.len() => {
+                let quantity = self.derivatives[i - 1];
+                Some((1 + Quantity::MEDIUM.iter().position(|q| *q == quantity)?, 1.0))
+            }
+            i if i == self.derivatives.len() + 1 => Some((0, self.reference.gain)),
+            _ => None,
+        };
+        let columns: Vec<_> = (0..self.matrix.nrows()).map(of).collect();
+        for (i, a) in columns.iter().enumerate() {
+            for (j, b) in columns.iter().enumerate() {
+                if let (Some((row, scale)), Some((column, other))) = (a, b) {
+                    self.matrix[(i, j)] -= scale * other * power[(*row, *column)];
+                }
+            }
+        }
+        let residual = self.derivatives.len() + 1;
+        self.matrix[(residual, residual)] += left;
+        self
+    }
+
     /// What the derivatives are taken in, in the order of their columns.
     pub fn derivatives(&self) -> &[Quantity] {
         &self.derivatives

@@ -40,7 +40,7 @@ static LEVELS: LazyLock<[f64; 255]> =
     LazyLock::new(|| std::array::from_fn(|i| srgb_inverse((i as f64 + 0.5) / 255.0)));
 
 /// The linear value of an encoded one in 0..1.
-fn srgb_inverse(encoded: f64) -> f64 {
+pub(crate) fn srgb_inverse(encoded: f64) -> f64 {
     if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 

@@ -1,8 +1,10 @@
-//! Files in and out: EXR images by name of channel, PNG pictures, and writing that never destroys an old file.
+//! Files in and out: images of all formats by name of channel, pictures, and writing that never destroys an old file.
 
 pub mod atomic;
 pub mod colour;
 pub mod exr;
 pub mod identity;
+pub mod picture;
 pub mod png;
 pub mod temporary;
+pub mod transfer;

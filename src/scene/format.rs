@@ -1,6 +1,7 @@
 //! The keys of a scene file, as TOML tables. Unknown keys are refused by name.
 
 use super::source::Source;
+use super::value::{NoiseValue, TransferValue, array, number, refused};
 use crate::error::{Error, Result};
 use crate::image::Border;
 use crate::imaging::VeilField;
@@ -43,6 +44,9 @@ pub(super) struct ObjectSection {
     #[serde(default)]
     pub border: Border,
     pub sampling: Option<String>,
+    pub transfer: Option<TransferValue>,
+    pub noise: Option<NoiseValue>,
+    pub depth_scale: Option<f64>,
     #[serde(default)]
     pub layer: Vec<LayerSection>,
 }
@@ -76,7 +80,10 @@ pub(super) struct ObservationSection {
     /// Size of the view while there is no observed image to take it from.
     pub size_px: Option<[usize; 2]>,
     pub offset_px: Option<[usize; 2]>,
-    pub noise: Option<f64>,
+    pub transfer: Option<TransferValue>,
+    pub noise: Option<NoiseValue>,
+    pub saturation: Option<f64>,
+    pub loss: Option<String>,
     pub variance: Option<PathBuf>,
     pub mask: Option<PathBuf>,
     #[serde(default)]
@@ -95,6 +102,7 @@ pub(super) struct ObservationSection {
 #[serde(deny_unknown_fields)]
 pub(super) struct IlluminationSection {
     pub image: Option<PathBuf>,
+    pub transfer: Option<TransferValue>,
     pub direction: Option<[f64; 3]>,
     pub irradiance: Option<Numbers>,
     pub normal: Option<[f64; 3]>,
@@ -203,23 +211,6 @@ impl Default for VeilValue {
     }
 }
 
-fn number(value: &Value) -> Option<f64> {
-    match value {
-        Value::Float(v) => Some(*v),
-        Value::Integer(v) => Some(*v as f64),
-        _ => None,
-    }
-}
-
-/// The array's items, if there are `N` and `item` accepts all of them.
-fn array<const N: usize, T>(value: &Value, item: impl Fn(&Value) -> Option<T>) -> Option<[T; N]> {
-    value.as_array()?.iter().map(item).collect::<Option<Vec<T>>>()?.try_into().ok()
-}
-
-fn refused<T>(value: &Value, wanted: &str) -> std::result::Result<T, String> {
-    Err(format!("{value} is not {wanted}"))
-}
-
 impl TryFrom<Value> for Numbers {
     type Error = String;
 
@@ -246,7 +237,7 @@ impl TryFrom<Value> for NumberOrFile {
         match (number(&value), value.as_str()) {
             (Some(v), _) => Ok(Self::Number(v)),
             (_, Some(path)) => Ok(Self::File(path.into())),
-            _ => refused(&value, "a number, nor the name of an EXR file"),
+            _ => refused(&value, "a number, nor the name of an image file"),
         }
     }
 }
@@ -289,7 +280,7 @@ impl TryFrom<Value> for VeilValue {
             (_, Some(path)) => Ok(Self::File(path.into())),
             _ => refused(
                 &value,
-                "a number, nor the name of an EXR file, nor \"free\", \"linear\", \"quadratic\" or \"auto\"",
+                "a number, nor the name of an image file, nor \"free\", \"linear\", \"quadratic\" or \"auto\"",
             ),
         }
     }

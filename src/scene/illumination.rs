@@ -2,13 +2,14 @@
 
 use super::format::{IlluminationSection, ObjectSection};
 use super::images::{ObjectImage, check_pixels, check_radiance, check_size};
+use super::light::LightReader;
 use super::medium::ChannelOf;
+use super::numbers::shares;
 use super::source::Source;
 use super::{Illumination, Scene};
 use crate::error::Result;
 use crate::geometry::Geometry;
 use crate::illumination::{Bottom, Shading, Sun};
-use crate::io::exr::ExrFile;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 
@@ -22,11 +23,13 @@ pub(super) fn read_reflectance(
         return Err(source.error("[[object.layer]] is given, but [object] reflectance has no layers"));
     }
     let path = source.resolve(named);
-    let channels = ExrFile::read(&path)?.radiance()?;
+    let light = LightReader::new(source, "[object]", section.transfer.as_ref())?.read_main(&path)?;
+    let channels = light.file.radiance()?;
     for channel in &channels {
         check_pixels(&path, channel, "between 0 and 1, a reflectance", |v| (0.0..=1.0).contains(&v))?;
     }
-    let object = ObjectImage { path, channels };
+    let cautions = light.caution.into_iter().collect();
+    let object = ObjectImage { path, channels, is_photograph: light.codes.is_some(), cautions };
     let shading = match &section.shading {
         None => Shading::FromDepth,
         Some(named) => read_shading(source.resolve(named), &object)?,
@@ -35,7 +38,7 @@ pub(super) fn read_reflectance(
 }
 
 fn read_shading(path: PathBuf, object: &ObjectImage) -> Result<Shading> {
-    let channel = ExrFile::read(&path)?.single()?;
+    let channel = shares(&path)?;
     object.frame().check(&path, &channel.image, "the object image")?;
     check_pixels(&path, &channel, "between 0 and 1", |v| (0.0..=1.0).contains(&v))?;
     Ok(Shading::Map(channel.image))
@@ -76,7 +79,8 @@ pub(super) fn read_illumination(
             }
             let path = source.resolve(named);
             let names: Vec<&str> = scene.object.iter().map(|c| c.name.as_str()).collect();
-            let channels = ExrFile::read(&path)?.channels(&names)?;
+            let reader = LightReader::new(source, "[illumination]", section.transfer.as_ref())?;
+            let channels = reader.read_main(&path)?.file.channels(&names)?;
             for channel in &channels {
                 let size = (scene.view.width, scene.view.height);
                 check_size(&path, &channel.image, size, "[illumination] image: the view")?;

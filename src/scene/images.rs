@@ -1,11 +1,14 @@
 //! The images that a scene names, each checked pixel by pixel.
 
+use super::Caution;
 use super::format::{NumberOrFile, ObjectSection};
+use super::light::LightReader;
+use super::numbers::lengths;
 use super::source::Source;
 use crate::error::{Error, Result};
 use crate::geometry::{Camera, FARTHEST, Field, Geometry};
 use crate::image::{Channel, Image};
-use crate::io::exr::ExrFile;
+use crate::io::picture::Picture;
 use std::path::{Path, PathBuf};
 
 /// An image that determines the size of others.
@@ -28,6 +31,10 @@ impl Frame<'_> {
 pub(super) struct ObjectImage {
     pub path: PathBuf,
     pub channels: Vec<Channel>,
+    /// Whether it was a photograph: codes, not radiance.
+    pub is_photograph: bool,
+    /// What a user should know of it.
+    pub cautions: Vec<Caution>,
 }
 
 impl ObjectImage {
@@ -37,7 +44,7 @@ impl ObjectImage {
     }
 }
 
-/// Reads `[object] radiance`: finite and not negative.
+/// Reads `[object] radiance`: finite, and not negative unless its noise is stated.
 pub(super) fn read_radiance(source: &Source, section: &ObjectSection) -> Result<ObjectImage> {
     let named = match (&section.radiance, &section.reflectance) {
         (Some(_), Some(_)) => {
@@ -55,9 +62,21 @@ pub(super) fn read_radiance(source: &Source, section: &ObjectSection) -> Result<
         (Some(named), None) => named,
     };
     let path = source.resolve(named);
-    let channels = ExrFile::read(&path)?.radiance()?;
-    check_radiance(&path, &channels)?;
-    Ok(ObjectImage { path, channels })
+    let light = LightReader::new(source, "[object]", section.transfer.as_ref())?.read_main(&path)?;
+    let channels = light.file.radiance()?;
+    if section.noise.is_some() {
+        channels.iter().try_for_each(|channel| {
+            check_pixels(&path, channel, "finite, at most 1e30", |v| v.abs() <= 1e30)
+        })?;
+    } else {
+        check_radiance(&path, &channels)?;
+    }
+    Ok(ObjectImage {
+        path,
+        channels,
+        is_photograph: light.codes.is_some(),
+        cautions: light.caution.into_iter().collect(),
+    })
 }
 
 /// Refuses the first pixel that is not finite or negative.
@@ -75,7 +94,12 @@ pub(super) struct Distance {
 
 /// The depth of the object or of a further layer, as `key` says: NaN is an error, and so is a number that means no
 /// object. `object` is the object image.
-pub(super) fn depth(source: &Source, key: &str, value: &NumberOrFile, object: &Frame) -> Result<Distance> {
+pub(super) fn depth(
+    source: &Source,
+    key: &str,
+    (value, scale): (&NumberOrFile, Option<f64>),
+    object: &Frame,
+) -> Result<Distance> {
     match value {
         NumberOrFile::Number(v) => {
             let ok = *v > 0.0 && *v <= FARTHEST;
@@ -84,14 +108,18 @@ pub(super) fn depth(source: &Source, key: &str, value: &NumberOrFile, object: &F
         }
         NumberOrFile::File(named) => {
             let path = source.resolve(named);
-            let channel = ExrFile::read(&path)?.depth()?;
+            let channel = lengths(source, &path, scale, |picture| picture.file.depth())?;
             map(path, channel, object, "a distance (0 or infinite where there is no object)", |v| !v.is_nan())
         }
     }
 }
 
 /// `[object] surface`: at least 0; where there is no surface its pixels may be infinite.
-pub(super) fn surface(source: &Source, value: &NumberOrFile, object: &Frame) -> Result<Distance> {
+pub(super) fn surface(
+    source: &Source,
+    (value, scale): (&NumberOrFile, Option<f64>),
+    object: &Frame,
+) -> Result<Distance> {
     match value {
         NumberOrFile::Number(v) => {
             source.non_negative("[object] surface", *v)?;
@@ -99,7 +127,7 @@ pub(super) fn surface(source: &Source, value: &NumberOrFile, object: &Frame) -> 
         }
         NumberOrFile::File(named) => {
             let path = source.resolve(named);
-            let channel = ExrFile::read(&path)?.single()?;
+            let channel = lengths(source, &path, scale, Picture::single)?;
             map(path, channel, object, "at least 0", |v| v >= 0.0)
         }
     }

@@ -2,11 +2,11 @@
 
 use super::format::{DepthKind, ObjectSection};
 use super::images::{ObjectImage, along_rays, check_radiance, depth};
+use super::light::LightReader;
 use super::source::Source;
 use crate::error::{Error, Result};
 use crate::geometry::Geometry;
 use crate::image::Image;
-use crate::io::exr::ExrFile;
 
 /// Puts the layers' distances behind those of `geometry`, and returns for each of the object's channels the clear
 /// radiance of each layer.
@@ -18,9 +18,10 @@ pub(super) fn read_layers(
 ) -> Result<Vec<Vec<Image>>> {
     let names: Vec<&str> = object.channels.iter().map(|c| c.name.as_str()).collect();
     let mut behind = vec![Vec::new(); object.channels.len()];
+    let reader = LightReader::new(source, "[object]", section.transfer.as_ref())?;
     for (i, layer) in section.layer.iter().enumerate() {
         let path = source.resolve(&layer.radiance);
-        let channels = ExrFile::read(&path)?.channels(&names)?;
+        let channels = reader.read(&path)?.file.channels(&names)?;
         for channel in &channels {
             object.frame().check(&path, &channel.image, "the object image")?;
         }
@@ -28,7 +29,7 @@ pub(super) fn read_layers(
         behind.iter_mut().zip(channels).for_each(|(images, channel)| images.push(channel.image));
 
         let key = format!("[[object.layer]] {} depth", i + 1);
-        let depth = depth(source, &key, &layer.depth, &object.frame())?;
+        let depth = depth(source, &key, (&layer.depth, section.depth_scale), &object.frame())?;
         let distance = match section.depth_kind {
             DepthKind::Ray => depth.field,
             DepthKind::Planar => along_rays(geometry, &depth.field),

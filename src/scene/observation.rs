@@ -1,14 +1,18 @@
 //! `[observation]`: which part of the object is seen, and the image of it.
 
-use super::format::{BlurValue, NumberOrFree, ObservationSection, VeilValue};
+use super::camera::read_camera;
+use super::format::{NumberOrFree, ObservationSection, VeilValue};
 use super::images::{Frame, check_pixels, check_size};
+use super::light::{Light, LightReader};
+use super::numbers::shares;
+use super::saturation::{ceiling, left_out};
 use super::source::Source;
-use super::variance;
-use super::{Gain, HIDDEN_SHARE_MAX, Noise, Observation, Scene, Veil};
+use super::value::NoiseValue;
+use super::{Caution, CautionCode, Gain, HIDDEN_SHARE_MAX, Loss, Observation, Scene, Veil};
 use crate::error::{Error, Result};
-use crate::image::{Channel, Image, View};
-use crate::imaging::{Blur, Choice, GainField, Registration, VeilField};
-use crate::io::exr::{self, ExrFile};
+use crate::image::{Channel, Image, Sampling, View};
+use crate::imaging::VeilField;
+use crate::io::picture;
 use std::path::{Path, PathBuf};
 
 /// The part of the object image, `object` (width, height) px large, that is observed: its size is that of the observed
@@ -75,7 +79,7 @@ fn placed(
 
 /// Size of the observed image, which must not be larger than the object.
 fn seen_size(path: &Path, object: (usize, usize)) -> Result<(usize, usize)> {
-    let size = exr::size(path)?;
+    let size = picture::size(path)?;
     if size.0 > object.0 || size.1 > object.1 {
         return Err(Error::WrongSize {
             path: path.into(),
@@ -91,7 +95,7 @@ fn seen_size(path: &Path, object: (usize, usize)) -> Result<(usize, usize)> {
 pub(super) fn read_observation(
     source: &Source,
     section: Option<&ObservationSection>,
-    observed: Option<Result<ExrFile>>,
+    observed: Option<Result<Light>>,
     scene: &Scene,
 ) -> Result<Observation> {
     let section = section.ok_or_else(|| source.error("section [observation] is missing: a fit needs one"))?;
@@ -102,7 +106,8 @@ pub(super) fn read_observation(
     let names: Vec<&str> = scene.object.iter().map(|c| c.name.as_str()).collect();
     let frame = Frame { path: &path, size: (scene.view.width, scene.view.height) };
 
-    let mut image = observed?.channels(&names)?;
+    let Light { file, codes, caution } = observed?;
+    let mut image = file.channels(&names)?;
     for channel in &image {
         check_size(&path, &channel.image, frame.size, "the view")?;
     }
@@ -122,18 +127,18 @@ pub(super) fn read_observation(
             return Err(Error::NothingToFit(what));
         }
     }
-    let noise = match (section.noise, &section.variance) {
+    let noise = match (&section.noise, &section.variance) {
         (Some(_), Some(_)) => {
             return Err(
                 source.error("[observation] noise and variance: the noise is given twice; leave one out")
             );
         }
-        (Some(v), None) => Some(Noise::Level(source.positive("[observation] noise", v)?)),
-        (None, Some(file)) => {
-            Some(Noise::Variance(variance::read(&source.resolve(file), &names, &frame, mask.as_ref())?))
-        }
+        (Some(noise), None) => Some(("[observation] noise", noise.clone())),
+        (None, Some(file)) => Some(("[observation] variance", NoiseValue::File(file.clone()))),
         (None, None) => None,
     };
+    let noise =
+        noise.map(|(key, noise)| noise.read(source, key, &names, (&frame, mask.as_ref()))).transpose()?;
     let gain = match section.gain {
         NumberOrFree::Number(v) => Gain::Fixed(source.positive("[observation] gain", v)?),
         NumberOrFree::Free => Gain::Free,
@@ -144,39 +149,19 @@ pub(super) fn read_observation(
         VeilValue::Free => Veil::Free(VeilField::Constant),
         VeilValue::Field(field) => Veil::Free(*field),
         VeilValue::Auto => Veil::Auto,
-        VeilValue::File(file) => Veil::Image(read_veil(source.resolve(file), &names, &frame, mask.as_ref())?),
+        VeilValue::File(file) => {
+            let reader = LightReader::new(source, "[observation]", section.transfer.as_ref())?;
+            Veil::Image(read_veil(&reader, source.resolve(file), &names, (&frame, mask.as_ref()))?)
+        }
     };
     let share = section.hidden_share_max.unwrap_or(HIDDEN_SHARE_MAX);
     let ok = share > 0.0 && share <= 1.0;
     let key = "[observation] hidden_share_max";
     let hidden_share_max = source.in_range(key, share, ok, "above 0 and at most 1")?;
-    let named = |key: &str, name: &Option<String>, known: &[&'static str]| match name.as_deref() {
-        None => Ok(None),
-        Some("auto") => Ok(Some(Choice::Auto)),
-        Some(name) => match known.iter().position(|known| *known == name) {
-            Some(i) => Ok(Some(Choice::Is(i))),
-            None => Err(source
-                .error(format!("[observation] {key} = \"{name}\": known are {}, auto", known.join(", ")))),
-        },
-    };
-    let registration =
-        named("registration", &section.registration, &Registration::ALL.map(Registration::name))?;
-    let gain_field = named("gain_field", &section.gain_field, &GainField::ALL.map(GainField::name))?;
-    let blur = match section.blur_px {
-        None => Choice::Is(Blur::default()),
-        Some(BlurValue::Auto) => Choice::Auto,
-        Some(BlurValue::Free) => Choice::Is(Blur::Free),
-        Some(BlurValue::Number(px)) => {
-            let ok = (0.0..=10.0).contains(&px);
-            Choice::Is(Blur::Fixed(source.in_range(
-                "[observation] blur_px",
-                px,
-                ok,
-                "at least 0 and at most 10 px",
-            )?))
-        }
-    };
-    Ok(Observation {
+    let camera = read_camera(source, section)?;
+    let saturation =
+        section.saturation.map(|v| source.positive("[observation] saturation", v)).transpose()?;
+    let mut observation = Observation {
         path,
         image,
         noise,
@@ -185,24 +170,78 @@ pub(super) fn read_observation(
         gain_error,
         veil,
         hidden_share_max,
-        registration: registration
-            .map_or(Choice::Auto, |stated| chosen(Some(stated), |i| Registration::ALL[i])),
-        blur,
-        gain_field: chosen(gain_field, |i| GainField::ALL[i]),
-    })
+        registration: camera.registration,
+        blur: camera.blur,
+        gain_field: camera.gain_field,
+        loss: read_loss(source, section.loss.as_deref())?,
+        saturated_pixels: 0,
+        cautions: caution.into_iter().collect(),
+    };
+    observation.leave_out_saturated(saturation.map(|v| v as f32), codes.is_some())?;
+    Ok(observation)
 }
 
-/// What is stated, the default where nothing is.
-fn chosen<T: Default>(stated: Option<Choice<usize>>, of: impl Fn(usize) -> T) -> Choice<T> {
-    match stated {
-        None => Choice::Is(T::default()),
-        Some(Choice::Is(i)) => Choice::Is(of(i)),
-        Some(Choice::Auto) => Choice::Auto,
+impl Observation {
+    /// Leaves out what reaches `level`, or else the ceiling that each channel shows.
+    fn leave_out_saturated(&mut self, level: Option<f32>, are_codes: bool) -> Result<()> {
+        let counts = |i: usize| self.mask.as_ref().is_none_or(|mask| mask.data[i] > 0.0);
+        let level = |channel: &Channel| level.or_else(|| ceiling(&channel.image, counts, are_codes));
+        let levels: Vec<_> = self.image.iter().filter_map(|c| Some((c, level(c)?))).collect();
+        let Some(out) = left_out(&levels) else { return Ok(()) };
+        self.mask_out(|i| out[i]);
+        if self.mask.as_ref().is_some_and(|mask| mask.data.iter().all(|&v| v <= 0.0)) {
+            let what = format!("{}: every pixel that counts is saturated", self.path.display());
+            return Err(Error::NothingToFit(what));
+        }
+        Ok(())
+    }
+
+    /// Leaves out pixels in which the photograph of the object, `path`, is saturated: what they sent is not known.
+    pub(super) fn leave_out_saturated_object(&mut self, scene: &Scene, path: &Path) {
+        if scene.sampling == Sampling::Pixel {
+            return;
+        }
+        let level = |channel: &Channel| ceiling(&channel.image, |_| true, true);
+        let levels: Vec<_> = scene.object.iter().filter_map(|c| Some((c, level(c)?))).collect();
+        let Some(out) = left_out(&levels) else { return };
+        let (view, width) = (scene.view, scene.geometry.width);
+        let before = self.saturated_pixels;
+        self.mask_out(|i| out[(view.y + i / view.width) * width + view.x + i % view.width]);
+        let all = out.iter().filter(|out| **out).count();
+        let message = format!(
+            "{} is saturated: {all} of its pixels have or touch its highest value, {} that counted are left out; what their light adds to others is \
+             too small, so expose for a shorter time",
+            path.display(),
+            self.saturated_pixels - before
+        );
+        self.cautions.push(Caution { code: CautionCode::Saturation, message });
+    }
+
+    /// Excludes the pixels that are `out`, as saturated.
+    fn mask_out(&mut self, out: impl Fn(usize) -> bool) {
+        let (width, height) = (self.image[0].image.width, self.image[0].image.height);
+        let mask = self.mask.get_or_insert_with(|| Image::filled(width, height, 1.0));
+        for (i, counts) in mask.data.iter_mut().enumerate() {
+            if *counts > 0.0 && out(i) {
+                *counts = 0.0;
+                self.saturated_pixels += 1;
+            }
+        }
+    }
+}
+
+fn read_loss(source: &Source, name: Option<&str>) -> Result<Loss> {
+    match name {
+        None | Some("gaussian") => Ok(Loss::Gaussian),
+        Some("huber") => Ok(Loss::Huber),
+        Some(other) => {
+            Err(source.error(format!("[observation] loss: unknown loss {other}; known are gaussian, huber")))
+        }
     }
 }
 
 fn read_mask(path: &Path, observed: &Frame) -> Result<Image> {
-    let mask = ExrFile::read(path)?.single()?.image;
+    let mask = shares(path)?.image;
     observed.check(path, &mask, "the observed image")?;
     if mask.data.iter().any(|&v| v > 0.0) {
         Ok(mask)
@@ -211,8 +250,13 @@ fn read_mask(path: &Path, observed: &Frame) -> Result<Image> {
     }
 }
 
-fn read_veil(path: PathBuf, names: &[&str], observed: &Frame, mask: Option<&Image>) -> Result<Vec<Channel>> {
-    let mut veil = ExrFile::read(&path)?.channels(names)?;
+fn read_veil(
+    reader: &LightReader,
+    path: PathBuf,
+    names: &[&str],
+    (observed, mask): (&Frame, Option<&Image>),
+) -> Result<Vec<Channel>> {
+    let mut veil = reader.read(&path)?.file.channels(names)?;
     for channel in &mut veil {
         observed.check(&path, &channel.image, "the observed image")?;
         if let Some(mask) = mask {

@@ -7,6 +7,7 @@ use super::format::{CameraSection, DepthKind, ObservationSection, SceneFile, par
 use super::illumination::{read_illumination, read_reflectance};
 use super::images::{Distance, Frame, ObjectImage, along_rays, depth, read_radiance, surface};
 use super::layers::read_layers;
+use super::light::{Light, LightReader};
 use super::medium::read_medium;
 use super::observation::{observed_view, planned_view, read_observation};
 use super::sampling::read_sampling;
@@ -15,8 +16,7 @@ use super::{LitScene, ObservedScene, Scene};
 use crate::error::{Error, Result};
 use crate::geometry::{Camera, Geometry};
 use crate::image::{Border, View};
-use crate::io::exr::ExrFile;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 impl Scene {
     /// Reads the scene file `path` and the images it names, and checks them. Of `[observation]` only the place and the size
@@ -41,16 +41,21 @@ impl ObservedScene {
         let reader = Reader::open(path)?;
         let Reader { source, file, .. } = &reader;
         let named = file.observation.as_ref().and_then(|section| section.image.as_ref());
+        let transfer = file.observation.as_ref().and_then(|section| section.transfer.as_ref());
+        let read_observed = |named: &PathBuf| -> Result<Light> {
+            LightReader::new(source, "[observation]", transfer)?.read_main(&source.resolve(named))
+        };
         // The two large images are decoded side by side; the first one's errors come first.
-        let (object, observed) = rayon::join(
-            || read_radiance(source, &file.object),
-            || named.map(|named| ExrFile::read(&source.resolve(named))),
-        );
+        let (object, observed) =
+            rayon::join(|| read_radiance(source, &file.object), || named.map(read_observed));
         let object = object?;
-        let object_path = object.path.clone();
+        let (object_path, is_photograph) = (object.path.clone(), object.is_photograph);
         let scene = seen(reader.scene(object, observed_view)?);
         check_contrast(&object_path, &scene)?;
-        let observation = read_observation(source, file.observation.as_ref(), observed, &scene)?;
+        let mut observation = read_observation(source, file.observation.as_ref(), observed, &scene)?;
+        if is_photograph {
+            observation.leave_out_saturated_object(&scene, &object_path);
+        }
         Ok(Self { scene, observation })
     }
 }
@@ -108,18 +113,23 @@ impl<'a> Reader<'a> {
         let medium = read_medium(source, self.file.medium.as_ref(), channels)?;
         let fit = read_fit(source, &self.file.fit, channels)?;
         let frame = object.frame();
-        let depth = depth(source, "[object] depth", &section.depth, &frame)?;
-        let surface = surface(source, &section.surface, &frame)?;
+        let depth = depth(source, "[object] depth", (&section.depth, section.depth_scale), &frame)?;
+        let surface = surface(source, (&section.surface, section.depth_scale), &frame)?;
         let mut geometry = self.geometry(frame, depth, surface)?;
         let behind = read_layers(source, section, &object, &mut geometry)?;
         let depth_error = source.relative_error("[object] depth_error", section.depth_error)?;
         let view = view(source, self.file.observation.as_ref(), frame.size)?;
-        let (sampling, sampling_is_known) =
-            read_sampling(source, section.sampling.as_deref(), &object.channels)?;
+        let (sampling, sampling_is_known) = read_sampling(source, section.sampling.as_deref(), &object)?;
+        let noise = section.noise.as_ref().map(|noise| {
+            let names: Vec<&str> = object.channels.iter().map(|c| c.name.as_str()).collect();
+            noise.read(source, "[object] noise", &names, (&frame, None))
+        });
         Ok(Scene {
             path: source.path.into(),
             files: files(source),
-            object: object.channels,
+            object_noise: noise.transpose()?,
+            cautions: object.cautions.clone(),
+            object: object.channels.clone(),
             behind,
             geometry,
             depth_error,

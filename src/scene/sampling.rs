@@ -1,22 +1,26 @@
 //! What lies between the pixels of a clear image: stated, or as its values say.
 
+use super::images::ObjectImage;
 use super::source::Source;
 use crate::error::Result;
-use crate::image::{Channel, Image, Sampling};
+use crate::image::{Image, Sampling};
 
 /// Share of neighbouring pixels that are the same from which on an image is piecewise constant.
 const CONSTANT: f64 = 0.5;
 
-/// The sampling that `[object] sampling` states, and whether it is known. `auto`, the default, takes an image that is piecewise constant for one
-/// of constant pixels; nothing in the values of other images tells.
+/// The sampling that `[object] sampling` states, and whether it is known. `auto`, the default, takes a photograph for band-limited, and an image
+/// that is piecewise constant for one of constant pixels; nothing in the values of other images tells.
 pub(super) fn read_sampling(
     source: &Source,
     stated: Option<&str>,
-    channels: &[Channel],
+    object: &ObjectImage,
 ) -> Result<(Sampling, bool)> {
     match stated {
         None | Some("auto") => {
-            Ok((Sampling::Pixel, channels.iter().all(|c| is_piecewise_constant(&c.image))))
+            let is_constant = object.channels.iter().all(|c| is_piecewise_constant(&c.image));
+            let is_photograph = object.is_photograph && !is_constant;
+            let sampling = if is_photograph { Sampling::Bandlimited } else { Sampling::Pixel };
+            Ok((sampling, is_constant || is_photograph))
         }
         Some(name) => match Sampling::ALL.into_iter().find(|sampling| sampling.name() == name) {
             Some(sampling) => Ok((sampling, true)),

@@ -8,9 +8,9 @@
 //! samples met light, even that mean is too small by chance; no pixel is trusted with less than a share of the mean variance of the image.
 
 use super::images::{Frame, check_pixels};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::image::{Channel, Image};
-use crate::io::exr::ExrFile;
+use crate::io::picture::Picture;
 use std::path::Path;
 
 /// Largest variance that is accepted, the square of the largest radiance, and the inverse of the smallest.
@@ -29,7 +29,12 @@ pub(super) fn read(
     observed: &Frame,
     mask: Option<&Image>,
 ) -> Result<Vec<Channel>> {
-    let file = ExrFile::read(path)?;
+    let Picture { file, codes } = Picture::read(path)?;
+    if let Some(codes) = codes {
+        let reason =
+            format!("it is {}: variances are floats, as in an EXR, TIFF or PFM file", codes.in_words());
+        return Err(Error::Read { path: path.to_path_buf(), reason });
+    }
     let counts = |i: usize| mask.is_none_or(|m| m.data[i] > 0.0);
     let estimated: Result<Vec<Channel>> =
         names.iter().map(|name| file.named(&format!("{name}.variance"))).collect();

@@ -25,6 +25,7 @@ mod mitsuba_script;
 mod path_records;
 mod perspective;
 mod phase;
+mod photographs;
 mod plots;
 mod recovery_datasets;
 mod recovery_own_model;

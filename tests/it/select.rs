@@ -13,7 +13,7 @@ use narrowbeam::imaging::{Blur, Choice, GainField, Registration};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{PhaseFunction, b_of_spread_angle};
 use narrowbeam::scene::{
-    FitOptions, Gain, Noise, Observation, ObservedScene, ParameterOptions, PartialMedium, Scene, Veil,
+    FitOptions, Gain, Loss, Noise, Observation, ObservedScene, ParameterOptions, PartialMedium, Scene, Veil,
 };
 use narrowbeam::spread::Model;
 use std::path::PathBuf;
@@ -67,6 +67,8 @@ impl Regime {
             path: PathBuf::from("scene"),
             files: Vec::new(),
             object: gray(object),
+            object_noise: None,
+            cautions: Vec::new(),
             behind: vec![Vec::new()],
             geometry,
             depth_error: 0.0,
@@ -89,6 +91,9 @@ impl Regime {
             registration: Choice::Is(Registration::None),
             blur: Choice::Is(Blur::default()),
             gain_field: Choice::Is(GainField::None),
+            loss: Loss::Gaussian,
+            saturated_pixels: 0,
+            cautions: Vec::new(),
         };
         ObservedScene { scene, observation }
     }

@@ -13,7 +13,8 @@ use crate::imaging::{Blur, Choice, GainField, Registration, VeilField};
 use crate::medium::Medium;
 use crate::phase::PhaseFunction;
 use crate::scene::{
-    FitOptions, Gain, HIDDEN_SHARE_MAX, Noise, Observation, ObservedScene, ParameterOptions, Scene, Veil,
+    FitOptions, Gain, HIDDEN_SHARE_MAX, Loss, Noise, Observation, ObservedScene, ParameterOptions, Scene,
+    Veil,
 };
 use crate::spread::Model;
 
@@ -71,6 +72,9 @@ impl Plan {
             registration: Choice::Is(Registration::None),
             blur: Choice::Is(Blur::default()),
             gain_field: Choice::Is(GainField::None),
+            loss: Loss::Gaussian,
+            saturated_pixels: 0,
+            cautions: Vec::new(),
         }
     }
 }

@@ -31,6 +31,8 @@ pub struct ExposureEstimate {
     pub hidden_pixels: usize,
     /// Pixels left out because of light from outside the clear image.
     pub outside_pixels: usize,
+    /// Pixels left out because they are saturated.
+    pub saturated_pixels: usize,
     /// What lies between the pixels of the clear image.
     pub sampling: Sampling,
     /// Whether that was stated or shows in the image.
@@ -88,6 +90,7 @@ fn estimate(scene: &Eliminated, observed: &Observed, covariance: &Covariance) ->
         pixels: observed.count(),
         hidden_pixels: observed.hidden,
         outside_pixels: observed.outside,
+        saturated_pixels: observed.observation.saturated_pixels,
         sampling: observed.observation.target.sampling,
         sampling_is_known: observed.observation.sampling_is_known,
         gain_response: response(),

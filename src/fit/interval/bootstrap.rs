@@ -42,12 +42,18 @@ pub fn bootstrap(
             let seed = seed_of(draws.seed, (draw * observations.len() + i) as u64);
             match o.noise {
                 Some(NoiseTerm::Variance(variance)) => with_variance(&fit.renders[i], variance, seed),
+                Some(NoiseTerm::Sensor { read, shot }) => {
+                    let of = |v: &f32| (read * read + shot * shot * f64::from(v.max(0.0))) as f32;
+                    let render = &fit.renders[i];
+                    let variance = Image { data: render.data.iter().map(of).collect(), ..*render };
+                    with_variance(render, &variance, seed)
+                }
                 _ => with_noise(&fit.renders[i], fit.exposures[i].noise, seed),
             }
         };
         let noisy: Vec<Image> = observations.iter().enumerate().map(noisy).collect();
         let drawn: Vec<Observation> =
-            observations.iter().zip(&noisy).map(|(o, image)| Observation { observed: image, ..*o }).collect();
+            observations.iter().zip(&noisy).map(|(o, image)| planned(o, image)).collect();
         let settings =
             Settings { model, method, max_iterations, backend: Backend::Cpu, gram: false, tracing };
         let found = fit_channel(&drawn, &options, &settings, &|| ())?.parameters;
@@ -63,6 +69,11 @@ pub fn bootstrap(
         (name.to_string(), moved.then(|| [Some(at(0.025)), Some(at(0.975))]))
     };
     Ok(fit.parameters.of_medium().map(|(id, parameter)| interval((id, parameter.name()))).collect())
+}
+
+/// `observation` seen as `image`, which is a render of its object as it stands: that one's noise is in the noise of a pixel.
+fn planned<'a>(observation: &Observation<'a>, image: &'a Image) -> Observation<'a> {
+    Observation { observed: image, object_noise: None, ..*observation }
 }
 
 /// A seed of its own for each draw: steps of the golden ratio, as by the generator SplitMix64.

@@ -1,19 +1,25 @@
 //! What was observed: one channel of one scene, its pixels that count, and what enters it linearly.
 
 mod exposure;
+mod huber;
+mod object_noise;
 mod observed;
+mod pixel_noise;
 mod registration;
+mod smooth;
+mod weigh;
 pub mod white_noise;
 
 pub(super) use exposure::{Linear, LinearTerm};
 pub(super) use observed::{Levels, Observed, Unseen};
 pub(super) use registration::{Aligned, Alignment};
+pub(super) use weigh::Fitted;
 
 use crate::filter::Target;
 use crate::forward::Exposure;
 use crate::image::Image;
 use crate::imaging::{Blur, GainField, Imaging, Places, Registration, VeilField};
-use crate::scene::{Gain, HIDDEN_SHARE_MAX};
+use crate::scene::{Gain, HIDDEN_SHARE_MAX, Loss};
 
 /// The veil of one channel, in units of the observation.
 #[derive(Debug, Clone, Copy)]
@@ -40,6 +46,13 @@ impl VeilTerm<'_> {
 pub enum NoiseTerm<'a> {
     /// One standard deviation for all pixels.
     Level(f64),
+    /// That of a sensor: variance `read`² + `shot`² times the signal.
+    Sensor {
+        /// Standard deviation without light, above 0.
+        read: f64,
+        /// Standard deviation at the signal 1 without the former.
+        shot: f64,
+    },
     /// The variance of each pixel, an image of the view's size, above 0 where a pixel counts.
     Variance(&'a Image),
 }
@@ -57,6 +70,8 @@ pub struct Observation<'a> {
     pub hidden_share_max: f64,
     /// The noise of a pixel, if known.
     pub noise: Option<NoiseTerm<'a>>,
+    /// The noise of the object image, if it has some; a variance is an image of its size.
+    pub object_noise: Option<NoiseTerm<'a>>,
     /// Exposure.
     pub gain: Gain,
     /// Relative standard error of a gain that is given.
@@ -73,6 +88,10 @@ pub struct Observation<'a> {
     pub gain_field: GainField,
     /// Whether the object's sampling is known; if not, that is part of the model's error.
     pub sampling_is_known: bool,
+    /// What large residuals count.
+    pub loss: Loss,
+    /// Pixels that the mask excludes because they are saturated.
+    pub saturated_pixels: usize,
 }
 
 impl<'a> Observation<'a> {
@@ -84,6 +103,7 @@ impl<'a> Observation<'a> {
             mask: None,
             hidden_share_max: HIDDEN_SHARE_MAX,
             noise: None,
+            object_noise: None,
             gain: Gain::Fixed(1.0),
             gain_error: 0.0,
             depth_error: 0.0,
@@ -92,6 +112,8 @@ impl<'a> Observation<'a> {
             blur: Blur::default(),
             gain_field: GainField::None,
             sampling_is_known: true,
+            loss: Loss::Gaussian,
+            saturated_pixels: 0,
         }
     }
 

@@ -1,11 +1,14 @@
 //! One observed scene: which of its pixels count, with what weight, and how noisy they are.
 
 use super::exposure::Linear;
+use super::object_noise::ObjectNoise;
+use super::pixel_noise::first_variance;
 use super::{NoiseTerm, Observation, VeilTerm};
 use crate::error::{Error, Result, in_range};
 use crate::forward::{Exposure, Pixel, Pixels, Products, Veil};
 use crate::image::Image;
 use crate::scene::Gain;
+use std::sync::Arc;
 
 /// Relative error of a render: an observation without noise cannot be known better than that.
 const RENDER_ERROR: f64 = 1e-5;
@@ -48,8 +51,12 @@ pub(crate) struct Observed<'a> {
     pub hidden: usize,
     /// Pixels that do not because of light from outside the clear image.
     pub outside: usize,
-    /// Standard deviation of a pixel of weight 1; where variances are given, the root of their harmonic mean.
+    /// Standard deviation of a pixel of weight 1; where pixels have variances of their own, the root of their harmonic mean.
     pub noise: f64,
+    /// The variance of each pixel, if not all have the same.
+    variance: Option<Arc<Image>>,
+    /// The noise of the clear image, if it has some.
+    pub object_noise: Option<ObjectNoise>,
 }
 
 impl<'a> Observed<'a> {
@@ -71,18 +78,34 @@ impl<'a> Observed<'a> {
                 Some(NoiseTerm::Level(noise)) => noise,
                 _ => 1.0,
             },
+            variance: None,
+            object_noise: ObjectNoise::new(observation),
         };
         observed.gather(|_| Sight::Clear);
         if observed.count() == 0 {
             return Err(Error::NothingToFit("the mask leaves no pixel".into()));
         }
-        if let Some(NoiseTerm::Variance(variance)) = observation.noise {
-            check_variances(variance, &observed.pixels)?;
-            let sum: f64 = observed.counted().iter().map(|p| f64::from(p.weight)).sum();
-            observed.noise = (observed.count() as f64 / sum).sqrt();
-            observed.gather(|_| Sight::Clear);
+        if let Some(variance) = first_variance(observation) {
+            check_variances(&variance, &observed.pixels)?;
+            observed.set_variance(variance);
         }
         Ok(observed)
+    }
+
+    /// Weighs each pixel by its `variance` from now on.
+    pub(super) fn set_variance(&mut self, variance: Image) {
+        let inverse = |p: &Pixel| 1.0 / f64::from(variance.data[p.index as usize]);
+        let sum: f64 = self.counted().iter().map(inverse).sum();
+        self.noise = (self.count() as f64 / sum).sqrt();
+        self.variance = Some(Arc::new(variance));
+        self.gather_again();
+    }
+
+    /// Gathers the same pixels again.
+    fn gather_again(&mut self) {
+        let (counts, left_out) = (std::mem::take(&mut self.counts), (self.hidden, self.outside));
+        self.gather(|i| if counts[i] { Sight::Clear } else { Sight::Hidden });
+        (self.hidden, self.outside) = left_out;
     }
 
     /// Gathers the pixels that the mask lets count, where `sight` is clear.
@@ -94,9 +117,10 @@ impl<'a> Observed<'a> {
             VeilTerm::Free(_) => 0.0,
         };
         let unit = self.noise * self.noise;
-        let weight = |i: usize| match observation.noise {
-            Some(NoiseTerm::Variance(image)) => (unit / f64::from(image.data[i])) as f32,
-            _ => 1.0,
+        let variance = self.variance.clone();
+        let weight = |i: usize| match &variance {
+            Some(image) => (unit / f64::from(image.data[i])) as f32,
+            None => 1.0,
         };
         let all = &observation.observed.data;
         let unmasked = |i: &usize| observation.is_unmasked(*i);
@@ -105,6 +129,9 @@ impl<'a> Observed<'a> {
         (self.hidden, self.outside) = (left_out(Sight::Hidden), left_out(Sight::Outside));
         let pixel = |i: usize| Pixel { index: i as u32, value: all[i] - veil(i), weight: weight(i) };
         self.pixels.counted = (0..all.len()).filter(|&i| self.counts[i]).map(pixel).collect();
+        if let Some(noise) = &mut self.object_noise {
+            noise.observe(&self.pixels.counted);
+        }
     }
 
     /// Leaves out the pixels that see too much that no image shows; returns whether that differs from what was left out before by
@@ -157,15 +184,16 @@ impl<'a> Observed<'a> {
         if visible.is_finite() { visible.clamp(least, most) } else { most }
     }
 
-    /// The same pixels and noise with another image in place of the observation.
+    /// The same pixels and noise with another image in place of the observation: a render of the object as it stands, whose noise
+    /// is no error there.
     pub(crate) fn seen_as<'b>(&self, image: &'b Image) -> Observed<'b>
     where
         'a: 'b,
     {
         let mut other: Observed<'b> = self.clone();
         other.observation.observed = image;
-        other.gather(|i| if self.counts[i] { Sight::Clear } else { Sight::Hidden });
-        (other.hidden, other.outside) = (self.hidden, self.outside);
+        other.object_noise = None;
+        other.gather_again();
         other
     }
 

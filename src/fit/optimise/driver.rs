@@ -11,7 +11,7 @@ use super::solver::{self, Outcome};
 use super::task::Task;
 use crate::error::Result;
 use crate::filter::Coverage;
-use crate::fit::observation::{Observed, Unseen};
+use crate::fit::observation::{Fitted, Observed, Unseen};
 use crate::fit::parameters::Parameters;
 use crate::image::Image;
 
@@ -85,10 +85,19 @@ impl<'x, 'a> Driver<'x, 'a> {
     /// The fit that begins at `begun`.
     pub(crate) fn new(task: &'x Task<'x, 'a>, begun: Begun<'x>) -> Result<Self> {
         let Begun { start, parameters, gram, evaluations, gram_evaluations } = begun;
-        let observed = task.observations.iter().map(Observed::new).collect::<Result<Vec<_>>>()?;
+        let mut observed = task.observations.iter().map(Observed::new).collect::<Result<Vec<_>>>()?;
         let engine = task.settings.engine();
         let phase = if engine.scouting().is_some() { Phase::Scouting } else { Phase::Fitting };
         let first = engine.scouting().unwrap_or(engine);
+        for observed in &mut observed {
+            let gain = observed.pixels().reference.gain;
+            observed.weigh(&Fitted {
+                model: engine.model,
+                medium: parameters.medium()?,
+                gain,
+                image: None,
+            })?;
+        }
         let models = SceneModels::prepare(task.observations, &observed, &parameters, &first)?;
         Ok(Self {
             task,
@@ -149,7 +158,8 @@ impl<'x, 'a> Driver<'x, 'a> {
     /// Takes the medium from the Gram matrices, if there are any. What they see is registered as it was at first, so a fit
     /// that registers listens to them once.
     fn consult_gram(&mut self) -> Result<()> {
-        let Some(gram) = self.gram.filter(|_| self.round == 1 || !self.task.has_nuisances()) else {
+        let once = self.task.has_nuisances() || self.observed.iter().any(Observed::weights_are_fitted);
+        let Some(gram) = self.gram.filter(|_| self.round == 1 || !once) else {
             return Ok(());
         };
         let medium = self.parameters.medium_alone();
@@ -178,12 +188,13 @@ impl<'x, 'a> Driver<'x, 'a> {
     fn settle(&mut self, equations: &NormalEquations) -> Result<Settlement> {
         let images = self.exposed(equations, self.models.images(&self.parameters)?);
         let change = self.estimate_noise(equations, &images)?;
+        let reweighed = self.weigh(equations, &images)? > NOISE_SETTLED;
         let unseen = self.task.unseen(&self.parameters)?;
         let uncovered = self.leave_out(&unseen)?;
         let coverage = self.models.coverage(&self.parameters)?;
         // Only the ratio of the scenes' weights moves the optimum, so one scene is settled whatever its noise.
         let weighed = self.observed.len() == 1 || change < NOISE_SETTLED;
-        let settled = !uncovered && weighed && coverage.served && self.phase == Phase::Fitting;
+        let settled = !uncovered && !reweighed && weighed && coverage.served && self.phase == Phase::Fitting;
         Ok(Settlement { images, unseen, coverage, settled })
     }
 
@@ -198,7 +209,7 @@ impl<'x, 'a> Driver<'x, 'a> {
         let mut change: f64 = 0.0;
         for (scene, (model, image)) in self.models.iter().zip(images).enumerate() {
             let observed = &mut self.observed[scene];
-            if observed.observation.noise.is_some() {
+            if observed.observation.noise.is_some() || observed.weights_are_fitted() {
                 continue;
             }
             let noise = match model.noise() {
@@ -212,6 +223,25 @@ impl<'x, 'a> Driver<'x, 'a> {
             };
             change = change.max((noise / observed.noise - 1.0).abs());
             observed.noise = noise;
+        }
+        Ok(change)
+    }
+
+    /// Weighs pixels anew whose noise depends on what is fitted; returns the largest relative change of a pixel's noise.
+    fn weigh(&mut self, equations: &NormalEquations, images: &[Image]) -> Result<f64> {
+        let mut change: f64 = 0.0;
+        if self.round == self.most_rounds() {
+            return Ok(change);
+        }
+        for (scene, image) in images.iter().enumerate() {
+            let gain = equations.scenes[scene].linear.exposure.gain;
+            let medium = self.parameters.state(scene)?.medium;
+            let fitted = Fitted { model: self.models.model(), medium, gain, image: Some(image) };
+            let observed = &mut self.observed[scene];
+            change = change.max(observed.weigh(&fitted)?);
+            if observed.weights_are_fitted() {
+                self.models.observe(scene, observed)?;
+            }
         }
         Ok(change)
     }
@@ -232,12 +262,13 @@ impl<'x, 'a> Driver<'x, 'a> {
     }
 
     fn finish(self, outcome: Outcome, settlement: Settlement) -> Result<Optimum<'a>> {
-        let equations = if self.task.estimates_noise() {
-            let Self { models, observed, parameters, task, .. } = &self;
-            Problem::new(models, observed, parameters, task.progress).equations(&outcome.point)?
-        } else {
-            outcome.equations
-        };
+        let equations =
+            if self.task.estimates_noise() || self.observed.iter().any(|o| o.object_noise.is_some()) {
+                let Self { models, observed, parameters, task, .. } = &self;
+                Problem::new(models, observed, parameters, task.progress).equations(&outcome.point)?
+            } else {
+                outcome.equations
+            };
         let Settlement { images, unseen, coverage, settled } = settlement;
         Ok(Optimum {
             start: self.start,

@@ -88,7 +88,12 @@ impl<'x> Problem<'x> {
     ) -> Result<NormalEquations> {
         let mut equations = NormalEquations::empty(parameters.count());
         for (scene, (model, observed)) in self.models.iter().zip(self.observed).enumerate() {
-            let products = products(model, scene)?;
+            let mut products = products(model, scene)?;
+            if let Some(noise) = &observed.object_noise {
+                let medium = parameters.state(scene)?.medium;
+                let (power, left) = noise.products(self.models.model(), &medium, &observed.observation)?;
+                products = products.without_object_noise(&power, left);
+            }
             (self.progress)();
             equations.add(scene, observed, &products, parameters);
             model.refer_to(equations.scenes[scene].linear.exposure);

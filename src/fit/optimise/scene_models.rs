@@ -6,12 +6,16 @@ use crate::fit::observation::{Observation, Observed};
 use crate::fit::parameters::{Bounds, Parameter, Parameters};
 use crate::forward::{Engine, ForwardModel, GramModel, Radius};
 use crate::image::Image;
+use crate::spread::Model;
 
 /// How much wider than at the start the kernels may become before a fit is planned again.
 pub const HEADROOM: f64 = 1.4;
 
 /// One forward model a scene.
-pub(crate) struct SceneModels<'a>(Vec<Box<dyn ForwardModel + 'a>>);
+pub(crate) struct SceneModels<'a> {
+    model: Model,
+    scenes: Vec<Box<dyn ForwardModel + 'a>>,
+}
 
 /// Paths that were traced.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,7 +40,8 @@ impl<'a> SceneModels<'a> {
             model.observe(observed.pixels())?;
             Ok(model)
         };
-        Ok(Self(observations.iter().zip(observed).enumerate().map(model).collect::<Result<_>>()?))
+        let scenes = observations.iter().zip(observed).enumerate().map(model).collect::<Result<_>>()?;
+        Ok(Self { model: engine.model, scenes })
     }
 
     /// Rough ones with at most `slices` depths, padded for kernels as `reach_px` says.
@@ -53,7 +58,8 @@ impl<'a> SceneModels<'a> {
             model.observe(observed.pixels())?;
             Ok(model)
         };
-        Ok(Self(observed.iter().map(model).collect::<Result<_>>()?))
+        let scenes = observed.iter().map(model).collect::<Result<_>>()?;
+        Ok(Self { model: engine.model, scenes })
     }
 
     /// By Gram matrices, if every scene has one.
@@ -62,21 +68,27 @@ impl<'a> SceneModels<'a> {
             let target = observed.observation.target;
             Some(Box::new(GramModel::new(engine.model, target, observed.pixels())?))
         };
-        observed.iter().map(model).collect::<Option<_>>().map(Self)
+        let scenes = observed.iter().map(model).collect::<Option<_>>()?;
+        Some(Self { model: engine.model, scenes })
+    }
+
+    /// The spread model of all.
+    pub(crate) fn model(&self) -> Model {
+        self.model
     }
 
     /// That of scene number `scene`.
     pub(crate) fn get(&self, scene: usize) -> &(dyn ForwardModel + 'a) {
-        self.0[scene].as_ref()
+        self.scenes[scene].as_ref()
     }
 
     pub(crate) fn iter(&self) -> impl Iterator<Item = &(dyn ForwardModel + 'a)> {
-        self.0.iter().map(Box::as_ref)
+        self.scenes.iter().map(Box::as_ref)
     }
 
     /// Takes the pixels of scene number `scene` that count now.
     pub(crate) fn observe(&mut self, scene: usize, observed: &Observed) -> Result<()> {
-        self.0[scene].observe(observed.pixels())
+        self.scenes[scene].observe(observed.pixels())
     }
 
     /// The object's light in every scene at `parameters`.

@@ -26,6 +26,9 @@ pub struct ExposureReport {
     pub pixels: usize,
     /// Pixels left out because of hidden light.
     pub hidden_pixels: usize,
+    /// Pixels left out because they, or the clear image there, are saturated.
+    #[serde(default)]
+    pub saturated_pixels: usize,
     /// What lies between the pixels of the clear image: `pixel` or `bandlimited`.
     pub sampling: String,
     /// Whether that was stated or shows in the image; if not, half of what the other would change is part of the model's error.
@@ -64,6 +67,7 @@ impl ExposureReport {
             chi2: exposure.chi2,
             pixels: exposure.pixels,
             hidden_pixels: exposure.hidden_pixels,
+            saturated_pixels: exposure.saturated_pixels,
             registration: RegistrationReport::new(scene, fit),
         }
     }

@@ -1,5 +1,6 @@
 //! What the user should know about an estimate.
 
+use crate::scene::{Caution, CautionCode};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -59,6 +60,10 @@ pub enum WarningCode {
     ModelErrorUnknown,
     /// The scene is outside what the model is valid for.
     OutsideValidity,
+    /// A file says another transfer curve than the scene.
+    Transfer,
+    /// The clear image is saturated.
+    Saturation,
 }
 
 impl WarningCode {
@@ -85,6 +90,8 @@ impl WarningCode {
             Self::ModelError => "model_error",
             Self::ModelErrorUnknown => "model_error_unknown",
             Self::OutsideValidity => "outside_validity",
+            Self::Transfer => "transfer",
+            Self::Saturation => "saturation",
         }
     }
 }
@@ -92,6 +99,16 @@ impl WarningCode {
 impl fmt::Display for WarningCode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
+    }
+}
+
+impl From<&Caution> for Warning {
+    fn from(caution: &Caution) -> Self {
+        let code = match caution.code {
+            CautionCode::Transfer => WarningCode::Transfer,
+            CautionCode::Saturation => WarningCode::Saturation,
+        };
+        Self::new(code, caution.message.clone())
     }
 }
 

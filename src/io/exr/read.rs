@@ -34,6 +34,11 @@ pub struct ExrFile {
 }
 
 impl ExrFile {
+    /// The channels `all` of the file `path`, which another reader has read.
+    pub(crate) fn with_channels(path: &Path, all: Vec<Channel>) -> Self {
+        Self { path: path.to_path_buf(), all }
+    }
+
     /// All its channels.
     pub fn all(&self) -> &[Channel] {
         &self.all

@@ -128,6 +128,8 @@ pub fn scene(side: usize) -> Result<(LitScene, Vec<Medium>)> {
         path: PathBuf::from("figure 8"),
         files: Vec::new(),
         object: (0..3).map(colour).collect(),
+        object_noise: None,
+        cautions: Vec::new(),
         behind: vec![Vec::new(); 3],
         geometry: Geometry {
             width: side,

@@ -9,7 +9,7 @@ use crate::imaging::{Blur, Choice, GainField, Registration};
 use crate::medium::Medium;
 use crate::phase::PhaseFunction;
 use crate::scene::{
-    FitOptions, Gain, HIDDEN_SHARE_MAX, Noise, Observation, ObservedScene, PartialMedium, Scene, Veil,
+    FitOptions, Gain, HIDDEN_SHARE_MAX, Loss, Noise, Observation, ObservedScene, PartialMedium, Scene, Veil,
 };
 use crate::spread::Model;
 use crate::trace::{ImageConfig, TracedImage, trace_image};
@@ -148,6 +148,8 @@ impl Setting {
             path: PathBuf::from("plane"),
             files: Vec::new(),
             object: gray(self.texture.image(self.side)),
+            object_noise: None,
+            cautions: Vec::new(),
             behind: vec![Vec::new()],
             geometry: self.geometry()?,
             depth_error: 0.0,
@@ -170,6 +172,9 @@ impl Setting {
             registration: Choice::Is(Registration::None),
             blur: Choice::Is(Blur::default()),
             gain_field: Choice::Is(GainField::None),
+            loss: Loss::Gaussian,
+            saturated_pixels: 0,
+            cautions: Vec::new(),
         };
         Ok(ObservedScene { scene, observation })
     }

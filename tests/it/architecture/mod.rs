@@ -29,7 +29,7 @@ const LAYERS: &[Rule] = &[
     ("scene", "error image imaging phase medium geometry io illumination"),
     ("filter", "error chebyshev quadrature image imaging phase medium geometry relief gpu spread"),
     ("synthesis", "error image medium spread illumination scene filter"),
-    ("forward", "error image imaging phase medium geometry relief spread trace filter"),
+    ("forward", "error quadrature image imaging phase medium geometry relief spread trace filter"),
     ("fit", "error image imaging phase medium geometry relief spread scene filter forward"),
     (
         "lab",
@@ -78,6 +78,8 @@ const CRATES: &[Rule] = &[
     ("rustix", "src/cli/console.rs src/cli/results/"),
     ("signal_hook", "src/cli/signals.rs"),
     ("plotters", "src/plots/"),
+    ("zune_hdr", "src/io/picture/"),
+    ("zune_jpeg", "src/io/picture/"),
     ("wgpu", "src/gpu/ src/filter/gpu/"),
 ];
 

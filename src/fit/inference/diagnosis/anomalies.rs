@@ -96,7 +96,10 @@ impl Anomalies<'_> {
     /// A variance that follows the brightness, where one number is assumed.
     fn brightness(&self) -> Option<Finding> {
         let given = self.frame.observed().observation.noise;
-        if matches!(given, Some(NoiseTerm::Variance(_))) || self.variance <= 0.0 {
+        if self.frame.observed().weights_are_fitted()
+            || matches!(given, Some(NoiseTerm::Variance(_) | NoiseTerm::Sensor { .. }))
+            || self.variance <= 0.0
+        {
             return None;
         }
         let pixels = self.frame.observed().counted();

@@ -13,6 +13,9 @@ use crate::imaging::{Blur, GainField, Places, Registration, VeilField};
 use crate::phase::PhaseFunction;
 use std::f64::consts::PI;
 
+/// Causes whose columns share the noise of a noisy clear image with the residual, which would pass for them. So do errors of the model.
+const NOISY: [Cause; 4] = [Cause::Blur, Cause::GainField, Cause::Transfer, Cause::PhaseTail];
+
 /// Share of outside light below which there is none.
 const LEAST_OUTSIDE: f64 = 1e-4;
 
@@ -74,6 +77,10 @@ impl Columns {
         this.add_phase_function(fit, scene, errors);
         this.add_depth(rendering, &state);
         this.add_surroundings(fit, scene, &state)?;
+        if fit.observed[scene].object_noise.is_some() {
+            this.errors.clear();
+            this.causes.retain(|(cause, _)| !NOISY.contains(cause));
+        }
         Ok(this)
     }
 

@@ -27,6 +27,7 @@ pub(super) struct Frame<'x> {
 
 /// The image's derivative in one coordinate.
 struct Derivative {
+    quantity: Quantity,
     row: usize,
     slope: f64,
     image: Image,
@@ -45,7 +46,7 @@ impl<'x> Frame<'x> {
         let chain = fit.parameters.chain();
         let derivative = |(quantity, image): (Quantity, Image)| {
             let row = fit.parameters.moving(quantity, scene)?.row();
-            Some(Derivative { row, slope: chain[row] * exposure.gain, image })
+            Some(Derivative { quantity, row, slope: chain[row] * exposure.gain, image })
         };
         Self {
             observed,
@@ -107,6 +108,39 @@ impl<'x> Frame<'x> {
         let residual = f64::from(pixel.value) - veil.at(places, i) - gain * light;
         let all = linear.chain(slopes).chain(extra).chain([residual]);
         out.iter_mut().zip(all).for_each(|(out, value)| *out = scale * value);
+    }
+
+    /// Takes from the products of all columns what the noise of the clear image is expected to add: `power` to those of the render and
+    /// its derivatives in the medium, of which `left` stays in the residual's. Of the other columns, those that [`Columns`] has of a
+    /// noisy object are orthogonal to it.
+    pub(super) fn without_object_noise(
+        &self,
+        mut gram: DMatrix<f64>,
+        power: &DMatrix<f64>,
+        left: f64,
+    ) -> DMatrix<f64> {
+        let linear = self.linear.iter().map(|term| match term {
+            LinearTerm::Veil(_) => None,
+            LinearTerm::Gain => Some((0, 1.0)),
+        });
+        let derivatives = self.derivatives.iter().map(|d| {
+            let place = Quantity::MEDIUM.iter().position(|quantity| *quantity == d.quantity)?;
+            Some((1 + place, d.slope))
+        });
+        let extra = self.extra.iter().map(|_| None);
+        let noisy: Vec<Option<(usize, f64)>> =
+            linear.chain(derivatives).chain(extra).chain([Some((0, -self.exposure.gain))]).collect();
+        let precision = self.observed.precision();
+        for (i, a) in noisy.iter().enumerate() {
+            for (j, b) in noisy.iter().enumerate() {
+                if let (Some((row, scale)), Some((column, other))) = (a, b) {
+                    gram[(i, j)] -= scale * other * power[(*row, *column)] * precision;
+                }
+            }
+        }
+        let residual = self.size() - 1;
+        gram[(residual, residual)] += left * precision;
+        gram
     }
 
     /// Products of all columns with each other.

@@ -20,6 +20,7 @@ mod finding;
 mod frame;
 mod grid;
 mod noise;
+mod object;
 mod projected;
 mod sandwich;
 mod score;
@@ -37,7 +38,7 @@ use frame::Frame;
 use nalgebra::DMatrix;
 use noise::Noise;
 use projected::Projected;
-use sandwich::gradients;
+use sandwich::{gradients, of_coordinates};
 use score::Scores;
 
 /// Standard deviations from which on a cause is named: of some twenty tests a fit, one of a thousand faultless fits names one.
@@ -52,6 +53,8 @@ pub(super) struct Diagnosis {
     pub scenes: Vec<Noise>,
     /// Sum over all scenes of the covariance of the cost's gradient: by the noise that was found, and by blocks of residuals.
     gradients: [DMatrix<f64>; 2],
+    /// The same by the noise of the clear images, and of the rest as it is stated; `None` if none has any.
+    by_objects: Option<DMatrix<f64>>,
 }
 
 impl Diagnosis {
@@ -59,20 +62,38 @@ impl Diagnosis {
     pub(super) fn new(fit: &Displacement, errors: Option<&ErrorImages>) -> Result<Self> {
         let count = fit.parameters.count();
         let none = || DMatrix::zeros(count, count);
-        let mut this = Self { findings: Vec::new(), scenes: Vec::new(), gradients: [none(), none()] };
+        let mut this =
+            Self { findings: Vec::new(), scenes: Vec::new(), gradients: [none(), none()], by_objects: None };
+        let is_noisy = fit.observed.iter().any(|o| o.object_noise.is_some());
         // The noise of traced paths is in the residual and in the derivatives alike, and would be taken for a fault.
         let scenes = if fit.models.batches().is_some() { 0 } else { fit.observed.len() };
         for scene in 0..scenes {
             let rendering = fit.models.get(scene).rendering(&fit.parameters.state(scene)?)?;
             let columns = Columns::new(fit, scene, &rendering, errors)?;
             let frame = Frame::new(fit, scene, &columns, rendering);
-            let projected = Projected::new(fit, &frame);
+            let gram = match &fit.observed[scene].object_noise {
+                None => frame.gram(),
+                Some(noise) => {
+                    let medium = fit.parameters.state(scene)?.medium;
+                    let observation = &fit.observed[scene].observation;
+                    let (power, left) = noise.products(fit.models.model(), &medium, observation)?;
+                    frame.without_object_noise(frame.gram(), &power, left)
+                }
+            };
+            let projected = Projected::new(fit, &frame, &gram);
             let fields = Fields::new(&frame, &projected);
             let noise = Noise::new(&frame, &projected, &fields, scene);
             this.findings.extend(Scores::new(&frame, &columns, &projected, &noise).findings(scene));
             this.findings.extend_from_slice(noise.findings());
             let gradients = gradients(&frame, &fields, &noise, count);
             this.gradients.iter_mut().zip(gradients).for_each(|(sum, part)| *sum += part);
+            if is_noisy {
+                let by_object = match object::gradient(fit, scene, &frame, &fields.slopes)? {
+                    Some(gradient) => gradient,
+                    None => white(&fields.slopes),
+                };
+                *this.by_objects.get_or_insert_with(none) += of_coordinates(&frame, &by_object, count);
+            }
             this.scenes.push(noise);
         }
         this.findings.sort_by(|a, b| b.delta_chi2.total_cmp(&a.delta_chi2));
@@ -102,8 +123,14 @@ impl Diagnosis {
         let [by_noise, by_blocks] = &self.gradients;
         let is_other = self.scenes.iter().any(|noise| !noise.findings().is_empty());
         let lacking = lacking && !self.scenes.is_empty();
-        let wanted = [is_other.then_some(by_noise), lacking.then_some(by_blocks)];
+        let wanted = [is_other.then_some(by_noise), lacking.then_some(by_blocks), self.by_objects.as_ref()];
         let inverse = covariance.inverse();
         wanted.into_iter().flatten().map(|gradient| &inverse * gradient * &inverse).collect()
     }
+}
+
+/// Covariance of the gradient along `slopes` by white noise of the stated level.
+fn white(slopes: &[Vec<f64>]) -> DMatrix<f64> {
+    let n = slopes.len();
+    DMatrix::from_fn(n, n, |i, j| slopes[i].iter().zip(&slopes[j]).map(|(a, b)| a * b).sum())
 }

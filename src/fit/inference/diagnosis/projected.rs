@@ -25,8 +25,7 @@ pub(super) struct Projected {
 }
 
 impl Projected {
-    pub(super) fn new(fit: &Displacement, frame: &Frame) -> Self {
-        let gram = frame.gram();
+    pub(super) fn new(fit: &Displacement, frame: &Frame, gram: &DMatrix<f64>) -> Self {
         let [linear, derivatives, extra] = frame.ranges();
         let rest = extra.start..extra.end + 1;
         let block = |a: &Range<usize>, b: &Range<usize>| {

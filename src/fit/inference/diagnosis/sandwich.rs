@@ -15,14 +15,17 @@ pub(super) fn gradients(frame: &Frame, fields: &Fields, noise: &Noise, count: us
     let by_noise = DMatrix::from_fn(n, n, |i, j| noise.covariance(frame, &slopes[i], &slopes[j]));
     let mut by_blocks = DMatrix::zeros(n, n);
     block_sums(frame, slopes, residual).iter().for_each(|sums| by_blocks += sums * sums.transpose());
+    [by_noise, by_blocks].map(|values| of_coordinates(frame, &values, count))
+}
+
+/// The same of all `count` coordinates, of which those that the frame's derivatives are taken in have these `values`.
+pub(super) fn of_coordinates(frame: &Frame, values: &DMatrix<f64>, count: usize) -> DMatrix<f64> {
     let rows: Vec<usize> = frame.rows().collect();
-    [by_noise, by_blocks].map(|values| {
-        let mut all = DMatrix::zeros(count, count);
-        for (i, &row) in rows.iter().enumerate() {
-            rows.iter().enumerate().for_each(|(j, &column)| all[(row, column)] = values[(i, j)]);
-        }
-        all
-    })
+    let mut all = DMatrix::zeros(count, count);
+    for (i, &row) in rows.iter().enumerate() {
+        rows.iter().enumerate().for_each(|(j, &column)| all[(row, column)] = values[(i, j)]);
+    }
+    all
 }
 
 /// The gradient's part by each block.

@@ -158,6 +158,14 @@ fn variances(observation: &Observation) -> Result<Option<Vec<Channel>>> {
             };
             let variances = |noise: &Noise| match noise {
                 Noise::Level(level) => observation.image.iter().map(|c| uniform(*level, c)).collect(),
+                Noise::Sensor { read, shot } => {
+                    let of = |v: &f32| (read * read + shot * shot * f64::from(v.max(0.0))) as f32;
+                    let sensor = |c: &Channel| Channel {
+                        name: format!("{}.variance", c.name),
+                        image: Image { data: c.image.data.iter().map(of).collect(), ..c.image },
+                    };
+                    observation.image.iter().map(sensor).collect()
+                }
                 Noise::Variance(variances) => variances.clone(),
             };
             return Ok(observation.noise.as_ref().map(variances));
