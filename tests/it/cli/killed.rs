@@ -29,13 +29,14 @@ fn kills(count: u32) {
         start.elapsed()
     };
     let whole = (0..3).map(timed).min().unwrap();
+    assert!(shop.command(&fit("mixed")).status().unwrap().success() && is_whole(&shop.file("mixed")));
     let mut random = Xoshiro256PlusPlus::seed_from_u64(18);
     let (mut killed, mut not_whole) = (0, 0);
     for i in 0..count {
         let folder = ["own", "mixed"][i as usize % 2];
         let share = f64::from(random.next_u32()) / f64::from(u32::MAX);
         // Half of them near the end, where files are put in their places.
-        let share = if i % 4 < 2 { share } else { 0.6 + 0.5 * share };
+        let share = if i % 4 < 2 { share } else { 0.6 + share };
         let mut child = shop.command(&fit(folder)).spawn().unwrap();
         std::thread::sleep(whole.mul_f64(share));
         child.kill().unwrap();
