@@ -135,8 +135,18 @@ impl Errors {
         let of_inputs = InputError::new(&mut at_optimum)?;
         let diagnosis = Diagnosis::new(&at_optimum, images.as_ref())?;
         let scenes = optimum.observed.iter().zip(&optimum.images).enumerate();
-        let lacking =
-            scenes.map(|(i, (o, image))| lack_of_fit(o, image, |side| diagnosis.block_inflation(i, side)));
+        let medium = parameters.medium()?;
+        let model = optimum.models.model();
+        let shared = |i: usize, side: usize| {
+            let observed = &optimum.observed[i];
+            let gain = equations.scenes[i].linear.exposure.gain;
+            let weights = (gain, observed.precision(), observed.count());
+            let noise = observed.object_noise.as_ref()?;
+            noise.block_inflation((model, &medium), weights, &observed.observation, side).ok()
+        };
+        let inflation =
+            |i: usize, side: usize| diagnosis.block_inflation(i, side).max(shared(i, side).unwrap_or(1.0));
+        let lacking = scenes.map(|(i, (o, image))| lack_of_fit(o, image, |side| inflation(i, side)));
         let lack_of_fit = lacking.fold(0.0, f64::max);
         let misfit = size.reduced_chi2 / diagnosis.underestimated(&at_optimum);
         let wider = diagnosis.wider(&covariance, lack_of_fit > LACKING);

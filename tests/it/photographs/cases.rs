@@ -3,7 +3,7 @@
 use crate::common::report::select;
 use narrowbeam::filter::Filter;
 use narrowbeam::fit::{Fit, Settings};
-use narrowbeam::scene::ObservedScene;
+use narrowbeam::scene::{Loss, ObservedScene};
 use std::path::Path;
 
 /// The medium of the images.
@@ -50,4 +50,24 @@ fn a_noisy_clear_image_fits_if_its_noise_is_stated() {
     untold.scene.object_noise = None;
     let value = fit(untold).parameters["sigma_s"].value.unwrap();
     assert!(value > 1.05 * 0.8, "{value}");
+}
+
+#[test]
+fn fireflies_move_no_estimate_if_the_loss_is_hubers() {
+    let mut seen = scene("fireflies.toml");
+    seen.observation.loss = Loss::Huber;
+    let fit = fit(seen);
+    for (name, truth) in [("sigma_s", 0.8), ("sigma_a", 0.05), ("b", 8.0_f64.to_radians().powi(2) / 4.0)] {
+        let found = &fit.parameters[name];
+        let [low, high] = found.ci95.expect("an interval");
+        let off = found.value.unwrap() / truth - 1.0;
+        println!("{name}: {:+.2} %, std error {:?}", 100.0 * off, found.std_error);
+        assert!((low..=high).contains(&truth) && off.abs() < 0.02, "{name}: {low} to {high}, {off}");
+    }
+    // By squares the 17 pixels are noise of every pixel.
+    let by_squares = self::fit(scene("fireflies.toml"));
+    let ratio =
+        |name: &str| by_squares.parameters[name].std_error.unwrap() / fit.parameters[name].std_error.unwrap();
+    println!("std errors by squares over these: {:.1}, {:.1}", ratio("sigma_s"), ratio("sigma_a"));
+    assert!(ratio("sigma_a") > 3.0);
 }
