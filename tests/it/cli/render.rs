@@ -116,7 +116,7 @@ fn images_are_written_in_the_format_of_their_name() {
     let written = Picture::read(&shop.file("out.exr")).unwrap().file.radiance().unwrap();
     for name in ["out.tif", "out.pfm", "out.hdr"] {
         assert_eq!(shop.run(&format!("render scene.toml --output {name}")).code, 0, "{name}");
-        let read = &Picture::read(&shop.file(name)).unwrap().file.all()[0].image;
+        let read = Picture::read(&shop.file(name)).unwrap().file.all()[0].image.clone();
         // Radiance HDR has eight bits.
         let bound = if name == "out.hdr" { 1.0 / 128.0 } else { 0.0 };
         for (a, b) in written[0].image.data.iter().zip(&read.data) {
