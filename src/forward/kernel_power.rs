@@ -15,10 +15,10 @@ use crate::medium::Medium;
 use crate::quadrature::nodes;
 use crate::spread::{Dual, Model};
 use nalgebra::DMatrix;
-use std::f64::consts::{FRAC_PI_4, PI, SQRT_2};
+use std::f64::consts::{FRAC_PI_4, PI};
 
 /// Ends of the panels of w, rad/px: kernels are up to hundreds of pixels wide.
-const PANELS: [f64; 7] = [0.0, 0.01, 0.04, 0.16, 0.6, PI, PI * SQRT_2];
+const PANELS: [f64; 6] = [0.0, 0.01, 0.04, 0.16, 0.6, PI];
 
 /// Products of the kernel and its derivatives in the medium, in the order of [`Quantity::MEDIUM`](super::Quantity::MEDIUM), at the path
 /// length `z` and the pixel pitch `pitch` (length), of the mean over a block of `side`² pixels.
@@ -35,21 +35,27 @@ pub(crate) fn kernel_power(
     let kernel = model.kernel(medium, z)?;
     let direct = kernel.direct();
     let mut power = DMatrix::zeros(4, 4);
-    for ends in PANELS.windows(2) {
-        for (w, step) in nodes(ends[0], ends[1], 1) {
-            let scattered = kernel.scattered_transfer(w / pitch);
-            let [all, once, twice] = ring(w, sampling, side as f64).map(|share| share * step * w / (PI * PI));
-            let columns = |dual: &Dual| [dual.value, dual.gradient[0], dual.gradient[1], dual.gradient[2]];
-            let (t, s) = (columns(&direct), columns(&scattered));
-            for i in 0..4 {
-                for j in 0..4 {
-                    power[(i, j)] +=
-                        all * t[i] * t[j] + once * (t[i] * s[j] + s[i] * t[j]) + twice * s[i] * s[j];
-                }
+    for (w, step) in radii() {
+        let scattered = kernel.scattered_transfer(w / pitch);
+        let [all, once, twice] = ring(w, sampling, side as f64).map(|share| share * step * w / (PI * PI));
+        let columns = |dual: &Dual| [dual.value, dual.gradient[0], dual.gradient[1], dual.gradient[2]];
+        let (t, s) = (columns(&direct), columns(&scattered));
+        for i in 0..4 {
+            for j in 0..4 {
+                power[(i, j)] += all * t[i] * t[j] + once * (t[i] * s[j] + s[i] * t[j]) + twice * s[i] * s[j];
             }
         }
     }
     Ok(power)
+}
+
+/// Radii of frequencies and their steps, rad/px. Beyond π only the corners of the square are left, which begin there like a square root: the
+/// angle at which the side is met is the better variable.
+fn radii() -> Vec<(f64, f64)> {
+    let inner = PANELS.windows(2).flat_map(|ends| nodes(ends[0], ends[1], 1));
+    let corner =
+        |(angle, step): (f64, f64)| (PI / angle.cos(), step * PI * angle.sin() / angle.cos().powi(2));
+    inner.chain(nodes(0.0, FRAC_PI_4, 1).into_iter().map(corner)).collect()
 }
 
 /// Integrals of 1, of B and of B² over a quarter of the ring of radius `w`, where it lies in the square of frequencies.
