@@ -14,7 +14,7 @@ import json
 import shlex
 import struct
 import sys
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 from mitsuba_render import render, set_variant  # before exr_io
@@ -29,7 +29,6 @@ TEXELS = 2
 # Pixels around the frame that are rendered, for lens and warp, and texture around them that sends light in.
 RENDERED_PX = 8
 AROUND_PX = 40
-WIDTH_PX, HEIGHT_PX = 192, 144
 
 
 @dataclass(frozen=True)
@@ -64,7 +63,12 @@ class Recipe:
     format: str
     transfer: str
     tilt: float = 0.0
-    extra: dict = field(default_factory=dict)
+    size: tuple = (128, 96)
+
+    @property
+    def texels(self):
+        """Width and height of the whole scene, texels."""
+        return tuple(TEXELS * (side + 2 * (RENDERED_PX + AROUND_PX)) for side in self.size)
 
 
 B8 = (np.radians(8) ** 2) / 4
@@ -74,6 +78,7 @@ RECIPES = {
     # Grey, one depth: a tripod that moved a little, another exposure, a veil with a slope.
     "board": Recipe(
         seed=101,
+        size=(192, 144),
         pitch=0.008,
         depths=(1.0,),
         media=(Medium(1.0, 0.08, B8),),
@@ -108,8 +113,9 @@ RECIPES = {
     # Two depths with exposures that are known: absorption is determined.
     "depths": Recipe(
         seed=104,
+        size=(192, 144),
         pitch=0.008,
-        depths=(0.8, 1.8),
+        depths=(0.8, 1.5),
         media=(Medium(0.9, 0.15, B8),),
         clear=Camera(),
         turbid=(Camera(gain=1.0, shift=(0.1, 0.25)), Camera(gain=1.8, lens=0.7, shift=(-0.3, 0.5))),
@@ -119,11 +125,11 @@ RECIPES = {
 }
 
 
-def texture(rng, channel):
-    """Return the radiance of the whole scene, texel by texel."""
-    side = TEXELS * (max(WIDTH_PX, HEIGHT_PX) + 2 * (RENDERED_PX + AROUND_PX))
-    height = TEXELS * (HEIGHT_PX + 2 * (RENDERED_PX + AROUND_PX))
-    return 0.62 * np.clip(natural_checker(rng, side)[:height], 0.03, None) * (1 - 0.15 * channel)
+def texture(recipe, channel):
+    """Return the radiance of the whole scene in one channel, texel by texel."""
+    width, height = recipe.texels
+    board = natural_checker(np.random.default_rng([recipe.seed, 0]), width)[:height]
+    return 0.62 * np.clip(board, 0.03, None) * (1 - 0.15 * channel)
 
 
 def blur(image, width):
@@ -155,10 +161,11 @@ def cubic(image, y, x):
 
 def seen(camera, radiance):
     """Return what falls on the sensor: `radiance` has the rendered margin around the frame."""
+    height, width = (side - 2 * TEXELS * RENDERED_PX for side in radiance.shape)
     sharp = blur(radiance, TEXELS * camera.lens)
     margin = TEXELS * RENDERED_PX
-    y, x = np.mgrid[: TEXELS * HEIGHT_PX, : TEXELS * WIDTH_PX].astype(float)
-    middle_y, middle_x = (TEXELS * HEIGHT_PX - 1) / 2, (TEXELS * WIDTH_PX - 1) / 2
+    y, x = np.mgrid[:height, :width].astype(float)
+    middle_y, middle_x = (height - 1) / 2, (width - 1) / 2
     angle = np.radians(camera.turn_deg)
     # What the camera shows at a place lay elsewhere in the clear picture.
     dx = (x - middle_x - TEXELS * camera.shift[0]) / camera.scale
@@ -166,15 +173,22 @@ def seen(camera, radiance):
     from_x = middle_x + np.cos(angle) * dx + np.sin(angle) * dy
     from_y = middle_y - np.sin(angle) * dx + np.cos(angle) * dy
     moved = cubic(sharp, from_y + margin, from_x + margin)
-    return moved.reshape(HEIGHT_PX, TEXELS, WIDTH_PX, TEXELS).mean(axis=(1, 3))
+    return binned(moved)
+
+
+def binned(image):
+    """Return the mean of the texels of each pixel."""
+    height, width = (side // TEXELS for side in image.shape)
+    return image.reshape(height, TEXELS, width, TEXELS).mean(axis=(1, 3))
 
 
 def exposed(camera, light, rng):
     """Return the noisy signal of a sensor on which `light` falls."""
-    y = (np.arange(HEIGHT_PX)[:, None] + 0.5) / HEIGHT_PX - 0.5
-    x = (np.arange(WIDTH_PX) + 0.5) / WIDTH_PX - 0.5
-    corner = (0.5 * WIDTH_PX) ** 2 + (0.5 * HEIGHT_PX) ** 2
-    square = ((x * WIDTH_PX) ** 2 + (y * HEIGHT_PX) ** 2) / corner
+    height, width = light.shape
+    y = (np.arange(height)[:, None] + 0.5) / height - 0.5
+    x = (np.arange(width) + 0.5) / width - 0.5
+    corner = (0.5 * width) ** 2 + (0.5 * height) ** 2
+    square = ((x * width) ** 2 + (y * height) ** 2) / corner
     middle, across, down = camera.veil
     signal = camera.gain * (1 - camera.vignetting * square) * light + middle + across * x + down * y
     deviation = np.sqrt(camera.read**2 + camera.shot**2 * np.maximum(signal, 0))
@@ -222,8 +236,7 @@ def write_tiff(path, codes):
 
 def depth_of(recipe, depth):
     """Return the distance of every texel of the scene."""
-    height = TEXELS * (HEIGHT_PX + 2 * (RENDERED_PX + AROUND_PX))
-    width = TEXELS * (WIDTH_PX + 2 * (RENDERED_PX + AROUND_PX))
+    width, height = recipe.texels
     x = (np.arange(width) + 0.5 - width / 2) * recipe.pitch / TEXELS
     return np.tile(depth + recipe.tilt * x, (height, 1))
 
@@ -248,7 +261,7 @@ SUFFIX = {"png16": "png", "jpeg": "jpg", "tiff16": "tif"}
 def photograph(recipe, folder, samples):
     """Write all photographs of a recipe, and its depth map if it has one."""
     rng = np.random.default_rng(recipe.seed)
-    textures = [texture(np.random.default_rng([recipe.seed, 0]), i) for i in range(len(recipe.media))]
+    textures = [texture(recipe, i) for i in range(len(recipe.media))]
     if len(textures) == 3:
         textures = [t * (0.75 + 0.25 * np.roll(t, 17 * i, axis=1) / t.mean()) for i, t in enumerate(textures)]
     edge = TEXELS * AROUND_PX
@@ -266,9 +279,8 @@ def photograph(recipe, folder, samples):
     if recipe.tilt:
         margin = TEXELS * (RENDERED_PX + AROUND_PX)
         inner = depth_of(recipe, recipe.depths[0])[margin:-margin, margin:-margin]
-        depth = inner.reshape(HEIGHT_PX, TEXELS, WIDTH_PX, TEXELS).mean(axis=(1, 3))
         # In tenths of a thousandth of the unit of length.
-        codes = np.rint(depth * 1e4).astype(np.uint16)[..., None]
+        codes = np.rint(binned(inner) * 1e4).astype(np.uint16)[..., None]
         mi.Bitmap(codes).write(str(folder / "depth.png"), mi.Bitmap.FileFormat.PNG)
 
 

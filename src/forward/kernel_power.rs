@@ -15,13 +15,13 @@ use crate::medium::Medium;
 use crate::quadrature::nodes;
 use crate::spread::{Dual, Model};
 use nalgebra::DMatrix;
-use std::f64::consts::{FRAC_PI_4, PI, SQRT_2};
+use std::f64::consts::{FRAC_PI_4, PI};
 
 /// Ends of the panels of w, rad/px: kernels are up to hundreds of pixels wide.
-const PANELS: [f64; 7] = [0.0, 0.01, 0.04, 0.16, 0.6, PI, PI * SQRT_2];
+const PANELS: [f64; 6] = [0.0, 0.01, 0.04, 0.16, 0.6, PI];
 
 /// Products of the kernel and its derivatives in the medium, in the order of [`Quantity::MEDIUM`](super::Quantity::MEDIUM), at the path
-/// length `z` and the pixel pitch `pitch` (length).
+/// length `z` and the pixel pitch `pitch` (length), of the mean over a block of `side`² pixels.
 ///
 /// # Errors
 /// As [`Model::kernel`].
@@ -30,29 +30,36 @@ pub(crate) fn kernel_power(
     medium: &Medium,
     (z, pitch): (f64, f64),
     sampling: Sampling,
+    side: usize,
 ) -> Result<DMatrix<f64>> {
     let kernel = model.kernel(medium, z)?;
     let direct = kernel.direct();
     let mut power = DMatrix::zeros(4, 4);
-    for ends in PANELS.windows(2) {
-        for (w, step) in nodes(ends[0], ends[1], 1) {
-            let scattered = kernel.scattered_transfer(w / pitch);
-            let [all, once, twice] = ring(w, sampling).map(|share| share * step * w / (PI * PI));
-            let columns = |dual: &Dual| [dual.value, dual.gradient[0], dual.gradient[1], dual.gradient[2]];
-            let (t, s) = (columns(&direct), columns(&scattered));
-            for i in 0..4 {
-                for j in 0..4 {
-                    power[(i, j)] +=
-                        all * t[i] * t[j] + once * (t[i] * s[j] + s[i] * t[j]) + twice * s[i] * s[j];
-                }
+    for (w, step) in radii() {
+        let scattered = kernel.scattered_transfer(w / pitch);
+        let [all, once, twice] = ring(w, sampling, side as f64).map(|share| share * step * w / (PI * PI));
+        let columns = |dual: &Dual| [dual.value, dual.gradient[0], dual.gradient[1], dual.gradient[2]];
+        let (t, s) = (columns(&direct), columns(&scattered));
+        for i in 0..4 {
+            for j in 0..4 {
+                power[(i, j)] += all * t[i] * t[j] + once * (t[i] * s[j] + s[i] * t[j]) + twice * s[i] * s[j];
             }
         }
     }
     Ok(power)
 }
 
+/// Radii of frequencies and their steps, rad/px. Beyond π only the corners of the square are left, which begin there like a square root: the
+/// angle at which the side is met is the better variable.
+fn radii() -> Vec<(f64, f64)> {
+    let inner = PANELS.windows(2).flat_map(|ends| nodes(ends[0], ends[1], 1));
+    let corner =
+        |(angle, step): (f64, f64)| (PI / angle.cos(), step * PI * angle.sin() / angle.cos().powi(2));
+    inner.chain(nodes(0.0, FRAC_PI_4, 1).into_iter().map(corner)).collect()
+}
+
 /// Integrals of 1, of B and of B² over a quarter of the ring of radius `w`, where it lies in the square of frequencies.
-fn ring(w: f64, sampling: Sampling) -> [f64; 3] {
+fn ring(w: f64, sampling: Sampling, side: f64) -> [f64; 3] {
     // By symmetry twice an eighth, which the side of the square cuts off.
     let first = if w > PI { (PI / w).acos() } else { 0.0 };
     let mut sums = [0.0; 3];
@@ -63,10 +70,18 @@ fn ring(w: f64, sampling: Sampling) -> [f64; 3] {
                 [w * angle.cos(), w * angle.sin()].map(|v| sinc(0.5 * v).powi(2)).iter().product()
             }
         };
+        let block: f64 =
+            [w * angle.cos(), w * angle.sin()].map(|v| dirichlet(v, side).powi(2)).iter().product();
         let parts = [1.0, boxed, boxed * boxed];
-        sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum += 2.0 * step * part);
+        sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum += 2.0 * step * block * part);
     }
     sums
+}
+
+/// The transfer function of the mean over `side` pixels.
+fn dirichlet(w: f64, side: f64) -> f64 {
+    let below = (0.5 * w).sin();
+    if below.abs() < 1e-6 { 1.0 } else { (0.5 * side * w).sin() / (side * below) }
 }
 
 fn sinc(x: f64) -> f64 {
@@ -79,7 +94,7 @@ mod tests {
 
     fn power(model: Model, sampling: Sampling, sigma_s: f64) -> DMatrix<f64> {
         let medium = Medium::gaussian(sigma_s, 0.1, 0.005).unwrap();
-        kernel_power(model, &medium, (2.0, 0.02), sampling).unwrap()
+        kernel_power(model, &medium, (2.0, 0.02), sampling, 1).unwrap()
     }
 
     #[test]
@@ -88,6 +103,18 @@ mod tests {
         let t = (-0.9_f64 * 2.0).exp();
         assert!((power[(0, 0)] / (t * t) - 1.0).abs() < 1e-9, "{}", power[(0, 0)]);
         assert!((power[(0, 1)] / (-2.0 * t * t) - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn noise_that_is_not_spread_averages_out_over_blocks() {
+        let medium = Medium::gaussian(0.8, 0.1, 0.005).unwrap();
+        let block = |side| {
+            kernel_power(Model::BeerLambert, &medium, (2.0, 0.02), Sampling::Pixel, side).unwrap()[(0, 0)]
+        };
+        for side in [2, 4, 8, 16] {
+            let ratio = block(side) / block(1) * (side * side) as f64;
+            assert!((ratio - 1.0).abs() < 0.02, "{side}: {ratio}");
+        }
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! Values of keys that may be of several kinds.
 
+use crate::io::picture::Format;
 use serde::Deserialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use toml::Value;
 
 /// The number that a value is.
@@ -67,7 +68,7 @@ impl TryFrom<Value> for NoiseValue {
         };
         match (number(&value), value.as_str()) {
             (Some(v), _) => Ok(Self::Level(v)),
-            (_, Some(path)) => Ok(Self::File(path.into())),
+            (_, Some(path)) if Format::of_name(Path::new(path)).is_some() => Ok(Self::File(path.into())),
             _ => sensor().map_or_else(
                 || {
                     refused(

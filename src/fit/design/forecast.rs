@@ -47,6 +47,8 @@ pub fn forecast(
     let planned = |scene: &Scene| -> Result<ObservedScene> {
         let observation = plan.observation(scene, images(scene, media, settings, filter)?);
         let mut scene = scene.clone();
+        // The planned image is one of the object as it stands: its noise is no error there.
+        scene.object_noise = None;
         scene.fit = scene.fit.iter().zip(media).map(|(options, medium)| at(options, medium)).collect();
         Ok(ObservedScene { scene, observation })
     };

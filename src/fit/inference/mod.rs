@@ -30,7 +30,10 @@ pub(super) use lack_of_fit::LACKING;
 use super::observation::{Observation, Observed};
 use super::optimise::{Optimum, Task};
 use crate::error::Result;
+use crate::forward::Exposure;
+use crate::medium::Medium;
 use crate::scene::Gain;
+use crate::spread::Model;
 use diagnosis::Diagnosis;
 use exposure::exposures;
 use identifiability::determined;
@@ -136,8 +139,13 @@ impl Errors {
         let of_inputs = InputError::new(&mut at_optimum)?;
         let diagnosis = Diagnosis::new(&at_optimum, images.as_ref())?;
         let scenes = optimum.observed.iter().zip(&optimum.images).enumerate();
-        let lacking =
-            scenes.map(|(i, (o, image))| lack_of_fit(o, image, |side| diagnosis.block_inflation(i, side)));
+        let (model, medium) = (at_optimum.models.model(), parameters.medium()?);
+        let inflation = |i: usize, side: usize| {
+            let by_object =
+                by_object(&optimum.observed[i], equations.scenes[i].linear.exposure, (model, &medium), side);
+            diagnosis.block_inflation(i, side).max(by_object.unwrap_or(1.0))
+        };
+        let lacking = scenes.map(|(i, (o, image))| lack_of_fit(o, image, |side| inflation(i, side)));
         let lack_of_fit = lacking.fold(0.0, f64::max);
         let misfit = size.reduced_chi2 / diagnosis.underestimated(&at_optimum);
         let wider = diagnosis.wider(&covariance, lack_of_fit > LACKING);
@@ -158,4 +166,16 @@ impl Errors {
             misfit,
         })
     }
+}
+
+/// Variance of the mean of a block of `side`² pixels over that of white noise, by the noise of the clear image; `None` if it has none.
+fn by_object(
+    observed: &Observed,
+    exposure: Exposure,
+    (model, medium): (Model, &Medium),
+    side: usize,
+) -> Option<f64> {
+    let weights = (exposure.gain, observed.precision(), observed.count());
+    let noise = observed.object_noise.as_ref()?;
+    noise.block_inflation((model, medium), weights, &observed.observation, side).ok()
 }

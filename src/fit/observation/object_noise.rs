@@ -94,7 +94,7 @@ impl ObjectNoise {
     ) -> Result<Vec<f64>> {
         let power = |depth: &Depth| match depth.z {
             0.0 => Ok(0.0),
-            _ => Ok(depth.power(model, medium, observation)?[(0, 0)]),
+            _ => Ok(depth.power(model, medium, observation, 1)?[(0, 0)]),
         };
         let powers = self.depths.iter().map(power).collect::<Result<Vec<f64>>>()?;
         let of =
@@ -112,9 +112,27 @@ impl ObjectNoise {
     ) -> Result<(DMatrix<f64>, f64)> {
         let mut sum = DMatrix::zeros(4, 4);
         for depth in self.depths.iter().filter(|depth| depth.sum > 0.0) {
-            sum += depth.power(model, medium, observation)? * depth.sum;
+            sum += depth.power(model, medium, observation, 1)? * depth.sum;
         }
         Ok((sum, self.expected))
+    }
+
+    /// Variance of the mean over a block of `side`² pixels over that of white noise: neighbours share what the kernel spreads. `precision`
+    /// is 1 over the variance of a pixel of weight 1, of which `pixels` count.
+    pub(crate) fn block_inflation(
+        &self,
+        (model, medium): (Model, &Medium),
+        (gain, precision, pixels): (f64, f64, usize),
+        observation: &Observation,
+        side: usize,
+    ) -> Result<f64> {
+        let mut excess = 0.0;
+        for depth in self.depths.iter().filter(|depth| depth.sum > 0.0) {
+            let block = depth.power(model, medium, observation, side)?[(0, 0)];
+            let pixel = depth.power(model, medium, observation, 1)?[(0, 0)];
+            excess += depth.sum * ((side * side) as f64 * block - pixel);
+        }
+        Ok(1.0 + gain * gain * precision * excess / pixels as f64)
     }
 
     /// Counts as noise from now on what is left in the residual at `gain` and this `medium`.
@@ -131,10 +149,16 @@ impl ObjectNoise {
 }
 
 impl Depth {
-    fn power(&self, model: Model, medium: &Medium, observation: &Observation) -> Result<DMatrix<f64>> {
+    fn power(
+        &self,
+        model: Model,
+        medium: &Medium,
+        observation: &Observation,
+        side: usize,
+    ) -> Result<DMatrix<f64>> {
         // Traced paths have no kernels: those of the model that sees the same light stand in.
         let model = if model == Model::Traced { Model::WideAngle } else { model };
-        kernel_power(model, medium, (self.z, self.pitch), observation.target.sampling)
+        kernel_power(model, medium, (self.z, self.pitch), observation.target.sampling, side)
     }
 }
 

@@ -4,6 +4,7 @@
 //! not stored row by row from the top, not of square pixels or not of RGB are refused.
 
 use super::opened::{Header, Numbers, Opened};
+use crate::image::Channel;
 use zune_hdr::HdrDecoder;
 use zune_hdr::zune_core::bytestream::ZCursor;
 use zune_hdr::zune_core::options::DecoderOptions;
@@ -56,4 +57,31 @@ fn exposure(bytes: &[u8]) -> Result<f32, String> {
         )),
         None => Err("has no size".into()),
     }
+}
+
+/// The file of one or three channels, without compression. Grey is written as three equal colours: the format knows no other.
+pub(super) fn encode(channels: &[Channel]) -> Vec<u8> {
+    let image = &channels[0].image;
+    let header = format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {} +X {}\n", image.height, image.width);
+    let mut bytes = header.into_bytes();
+    for i in 0..image.data.len() {
+        bytes.extend(rgbe([0, 1, 2].map(|c: usize| channels[c.min(channels.len() - 1)].image.data[i])));
+    }
+    bytes
+}
+
+/// Colours of 8 bits with the exponent of the largest of them; what is negative or no number is black.
+fn rgbe(colours: [f32; 3]) -> [u8; 4] {
+    let colours = colours.map(|v| f64::from(if v > 0.0 { v.min(1e38) } else { 0.0 }));
+    let largest = colours.into_iter().fold(0.0, f64::max);
+    if largest < 1e-38 {
+        return [0; 4];
+    }
+    // The largest colour rounds to 128 to 255 in units of this power of two.
+    let mut exponent = largest.log2().floor() as i32 - 7;
+    if (largest * f64::from(-exponent).exp2()).round() > 255.0 {
+        exponent += 1;
+    }
+    let [r, g, b] = colours.map(|v| (v * f64::from(-exponent).exp2()).round() as u8);
+    [r, g, b, (exponent + 136).clamp(0, 255) as u8]
 }

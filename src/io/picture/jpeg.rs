@@ -36,8 +36,15 @@ pub(super) fn open(bytes: &[u8]) -> Result<Opened<'_>, String> {
         embedded: profile.map(|curve| (curve, "ICC profile")).or(camera),
     };
     let pixels = move || {
+        check_whole(bytes)?;
         let data = decoder.decode().map_err(|e| e.to_string())?;
         Ok(data.into_iter().map(f32::from).collect())
     };
     Ok(Opened { header, pixels: Box::new(pixels) })
+}
+
+/// Refuses a file that breaks off: the decoder makes what is missing grey. The last end of an image must follow the last scan.
+fn check_whole(bytes: &[u8]) -> Result<(), String> {
+    let last = |marker: u8| bytes.windows(2).rposition(|pair| pair == [0xff, marker]);
+    if last(0xd9) > last(0xda) { Ok(()) } else { Err("breaks off before its end".into()) }
 }

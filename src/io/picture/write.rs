@@ -1,16 +1,12 @@
 //! Writing images in the format that their file name asks for.
 
-use super::{Format, pfm, tiff_write};
+use super::{Format, hdr, pfm, tiff_write};
 use crate::error::{Error, Result};
 use crate::image::Channel;
 use crate::io::colour::Tone;
 use crate::io::{atomic, exr, png};
 use std::io;
 use std::path::Path;
-use zune_hdr::HdrEncoder;
-use zune_hdr::zune_core::bit_depth::BitDepth;
-use zune_hdr::zune_core::colorspace::ColorSpace;
-use zune_hdr::zune_core::options::EncoderOptions;
 
 /// The names that [`write`] can write, for messages.
 pub const OUTPUTS: &str = ".exr, .tif, .pfm or .hdr (linear), or .png (an 8-bit picture)";
@@ -36,7 +32,7 @@ pub fn write(path: &Path, channels: &[Channel], provenance: &[(String, String)])
         Some(Format::Png) => return png::write_picture(path, channels, Tone::of(channels)),
         Some(Format::Tiff) => tiff_write::encode(channels).map_err(failed)?,
         Some(Format::Pfm) => pfm::encode(channels),
-        Some(Format::Hdr) => encode_hdr(channels).map_err(failed)?,
+        Some(Format::Hdr) => hdr::encode(channels),
         Some(Format::Jpeg) | None => {
             return Err(failed(io::Error::new(
                 io::ErrorKind::InvalidInput,
@@ -45,15 +41,4 @@ pub fn write(path: &Path, channels: &[Channel], provenance: &[(String, String)])
         }
     };
     atomic::write(path, &bytes)
-}
-
-/// Grey is written as three equal colours: the format knows no other.
-fn encode_hdr(channels: &[Channel]) -> io::Result<Vec<u8>> {
-    let image = &channels[0].image;
-    let colour = |c: usize| &channels[c.min(channels.len() - 1)].image.data;
-    let data: Vec<f32> = (0..image.data.len()).flat_map(|i| (0..3).map(move |c| colour(c)[i])).collect();
-    let options = EncoderOptions::new(image.width, image.height, ColorSpace::RGB, BitDepth::Float32);
-    let mut bytes = Vec::new();
-    HdrEncoder::new(&data, options).encode(&mut bytes).map_err(|e| io::Error::other(format!("{e:?}")))?;
-    Ok(bytes)
 }

@@ -2,6 +2,7 @@
 
 use super::workshop::{SCENE, SIDE, Workshop, striped, texture};
 use narrowbeam::io::exr::ExrFile;
+use narrowbeam::io::picture::Picture;
 
 fn mean(shop: &Workshop, name: &str) -> f64 {
     ExrFile::read(&shop.file(name)).unwrap().radiance().unwrap()[0].image.mean()
@@ -104,5 +105,31 @@ fn a_share_of_hidden_light_that_cannot_be_had_is_refused() {
         assert_eq!(run.code, 2, "{options}: {}", run.stderr);
         assert!(words.iter().all(|word| run.stderr.contains(word)), "{}", run.stderr);
         assert!(!shop.file("out.exr").exists() && !shop.file("share.exr").exists());
+    }
+}
+
+#[test]
+fn images_are_written_in_the_format_of_their_name() {
+    let shop = Workshop::new();
+    shop.write("scene.toml", SCENE);
+    assert_eq!(shop.run("render scene.toml --output out.exr").code, 0);
+    let written = Picture::read(&shop.file("out.exr")).unwrap().file.radiance().unwrap();
+    for name in ["out.tif", "out.pfm", "out.hdr"] {
+        assert_eq!(shop.run(&format!("render scene.toml --output {name}")).code, 0, "{name}");
+        let read = Picture::read(&shop.file(name)).unwrap().file.all()[0].image.clone();
+        // Radiance HDR has eight bits.
+        let bound = if name == "out.hdr" { 1.0 / 128.0 } else { 0.0 };
+        for (a, b) in written[0].image.data.iter().zip(&read.data) {
+            assert!((a - b).abs() <= bound * a, "{name}: {a} {b}");
+        }
+    }
+    assert_eq!(shop.run("trace scene.toml --samples 2 --output traced.tif").code, 0);
+    assert_eq!(Picture::read(&shop.file("traced.tif")).unwrap().file.all().len(), 1);
+    assert_eq!(shop.run("render scene.toml --output picture.png").code, 0);
+    assert!(Picture::read(&shop.file("picture.png")).unwrap().codes.is_some());
+    for command in ["render", "trace"] {
+        let run = shop.run(&format!("{command} scene.toml --output out.jpg"));
+        assert_eq!(run.code, 2, "{}", run.stderr);
+        assert!(run.stderr.contains("--output") && run.stderr.contains(".tif"), "{}", run.stderr);
     }
 }

@@ -159,7 +159,7 @@ fn bad_input_is_refused_by_name() {
         assert!(!shop.file("out.exr").exists() && !shop.file("parts.exr").exists());
     }
     shop.write("scene.toml", &sunny);
-    for options in ["--output out.tiff", "--output out.exr --parts out.exr", "--output none/out.exr"] {
+    for options in ["--output out.jpg", "--output out.exr --parts out.exr", "--output none/out.exr"] {
         assert_eq!(shop.run(&format!("synthesize scene.toml {options}")).code, 2, "{options}");
         assert!(!shop.file("out.exr").exists());
     }
