@@ -1,5 +1,9 @@
 //! Every error of the library, each naming its cause.
 
+mod words;
+
+pub(crate) use words::{number, one_line, shown, size};
+
 use std::path::PathBuf;
 
 /// What went wrong, with the name, value, file or pixel that has to be corrected.
@@ -7,7 +11,7 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum Error {
     /// A number outside the range in which the physics is defined.
-    #[error("{name} = {value}: must be {allowed}")]
+    #[error("{name} = {}: must be {allowed}", number(*.value))]
     OutOfRange {
         /// The quantity's name.
         name: String,
@@ -17,7 +21,7 @@ pub enum Error {
         allowed: &'static str,
     },
     /// A file that cannot be opened or decoded.
-    #[error("{path}: cannot be read: {reason}")]
+    #[error("{}: cannot be read: {}", shown(.path), one_line(.reason))]
     Read {
         /// The file.
         path: PathBuf,
@@ -25,7 +29,7 @@ pub enum Error {
         reason: String,
     },
     /// A file or directory that cannot be written.
-    #[error("{path}: cannot be written: {source}")]
+    #[error("{}: cannot be written: {source}", shown(.path))]
     Write {
         /// The file or directory.
         path: PathBuf,
@@ -33,7 +37,7 @@ pub enum Error {
         source: std::io::Error,
     },
     /// An image without the channel that is needed.
-    #[error("{path}: has no channel {wanted}; it holds {found}")]
+    #[error("{}: has no channel {}; it holds {}", shown(.path), one_line(.wanted), one_line(.found))]
     MissingChannel {
         /// The file.
         path: PathBuf,
@@ -43,7 +47,10 @@ pub enum Error {
         found: String,
     },
     /// One pixel holds a value that has no meaning there.
-    #[error("{path}: channel {channel}, pixel ({x}, {y}) is {value}: must be {allowed}")]
+    #[error(
+        "{}: channel {}, pixel ({x}, {y}) is {}: must be {allowed}",
+        shown(.path), one_line(.channel), number(*.value)
+    )]
     BadPixel {
         /// The file.
         path: PathBuf,
@@ -58,8 +65,36 @@ pub enum Error {
         /// The allowed range, in words.
         allowed: &'static str,
     },
+    /// An image for which the memory budget is too small.
+    #[error(
+        "{}: {} would take {} of memory, and the budget leaves {}; use a smaller image, or a larger budget",
+        shown(.path), one_line(.what), size(*.bytes), size(*.left)
+    )]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// What it holds.
+        what: String,
+        /// What it would take, bytes.
+        bytes: u64,
+        /// What is left, bytes.
+        left: u64,
+    },
+    /// A computation for which the memory budget is too small.
+    #[error(
+        "{what}: takes {} of memory, and the budget leaves {}; use fewer pixels for the same scene, or a larger budget",
+        size(*.bytes), size(*.left)
+    )]
+    Memory {
+        /// What takes it.
+        what: String,
+        /// What it takes, bytes.
+        bytes: u64,
+        /// What is left, bytes.
+        left: u64,
+    },
     /// An image whose size does not fit the others.
-    #[error("{path}: is {found} px; {expected}")]
+    #[error("{}: is {found} px; {expected}", shown(.path))]
     WrongSize {
         /// The file.
         path: PathBuf,
@@ -69,7 +104,7 @@ pub enum Error {
         expected: String,
     },
     /// A scene file that is not valid TOML, or has a missing, unknown or contradictory key.
-    #[error("{path}: {message}")]
+    #[error("{}: {}", shown(.path), one_line(.message))]
     Scene {
         /// The scene file.
         path: PathBuf,
@@ -102,7 +137,7 @@ pub enum Error {
     #[error("model traced has no kernel: its paths are traced scene by scene")]
     NoKernel,
     /// An unknown name.
-    #[error("unknown {what} {name}; known are {known}")]
+    #[error("unknown {what} {}; known are {known}", one_line(.name))]
     UnknownName {
         /// The kind of thing named.
         what: &'static str,
@@ -118,7 +153,7 @@ pub enum Error {
     #[error("no table: {0}")]
     BadTable(String),
     /// Input that is well formed but holds nothing that a fit could use.
-    #[error("nothing to fit: {0}")]
+    #[error("nothing to fit: {}", one_line(.0))]
     NothingToFit(String),
     /// A machine without a graphics adapter.
     #[cfg(feature = "gpu")]
@@ -162,7 +197,7 @@ impl Error {
             Error::Write { source, .. } => source.kind() != std::io::ErrorKind::StorageFull,
             #[cfg(feature = "gpu")]
             Error::Gpu(_) => false,
-            Error::NotFinite(_) => false,
+            Error::NotFinite(_) | Error::Memory { .. } => false,
             _ => true,
         }
     }

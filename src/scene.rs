@@ -12,6 +12,7 @@ mod images;
 mod layers;
 mod medium;
 mod observation;
+mod place;
 mod read;
 mod sampling;
 mod source;

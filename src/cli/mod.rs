@@ -18,6 +18,7 @@ mod table;
 mod trace;
 
 use crate::error::Error;
+use crate::memory::set_budget;
 use clap::{Parser, Subcommand};
 use std::io::Write;
 use std::process::ExitCode;
@@ -30,6 +31,9 @@ const UNDETERMINED: u8 = 3;
 struct Arguments {
     #[command(subcommand)]
     command: Command,
+    /// Memory that may be taken, such as 2GiB or 500MB [default: three quarters of what the machine or its control group has]
+    #[arg(long, global = true, value_name = "SIZE", value_parser = options::size)]
+    memory: Option<u64>,
 }
 
 #[derive(Debug, Subcommand)]
@@ -81,7 +85,9 @@ fn say(text: &str) -> crate::Result<()> {
 /// Runs the command that the process was started with and returns its exit code: 0 done; 2 bad usage or input;
 /// 3 a fit that did not converge or left a parameter undetermined; 1 anything else.
 pub fn main() -> ExitCode {
-    let done = match Arguments::parse().command {
+    let Arguments { command, memory } = Arguments::parse();
+    memory.into_iter().for_each(set_budget);
+    let done = match command {
         Command::Fit(arguments) => fit::run(&arguments),
         Command::Forecast(arguments) => forecast::run(&arguments),
         Command::Render(arguments) => render::run(&arguments),

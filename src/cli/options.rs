@@ -92,6 +92,23 @@ impl TracingOptions {
     }
 }
 
+/// Bytes: a number with or without a unit, of 1000 (kB, MB, …) or 1024 (KiB, MiB, …).
+pub(super) fn size(text: &str) -> Result<u64, String> {
+    let unit = text.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.');
+    let number = positive(&text[..text.len() - unit.len()])?;
+    let lower = unit.trim().to_ascii_lowercase();
+    let scale = match lower.trim_end_matches('b') {
+        "" => 1,
+        prefix => {
+            let (letter, step) = prefix.strip_suffix('i').map_or((prefix, 1000_u64), |letter| (letter, 1024));
+            let power = ["k", "m", "g", "t"].iter().position(|&known| known == letter);
+            step.pow(power.ok_or("must be a number of bytes, such as 2GiB or 500MB")? as u32 + 1)
+        }
+    };
+    let bytes = number * scale as f64;
+    if bytes >= 1.0 { Ok(bytes as u64) } else { Err("must be at least one byte".into()) }
+}
+
 /// A finite number above 0.
 pub(super) fn positive(text: &str) -> Result<f64, String> {
     number(text, |v| v > 0.0, "must be finite and above 0")
@@ -170,4 +187,16 @@ pub(super) fn provenance() -> Vec<(String, String)> {
         ("software".into(), concat!("narrowbeam ", env!("CARGO_PKG_VERSION")).into()),
         ("command".into(), command),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_have_units() {
+        let bytes = ["5", "1.5kB", "2GiB", "2 gib", "3M", "1TB"].map(|text| size(text).unwrap());
+        assert_eq!(bytes, [5, 1500, 2 << 30, 2 << 30, 3_000_000, 1_000_000_000_000]);
+        assert!(["", "GB", "-1GB", "0", "5XB", "nan", "2 G B"].iter().all(|text| size(text).is_err()));
+    }
 }

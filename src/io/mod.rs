@@ -3,4 +3,5 @@
 pub mod atomic;
 pub mod colour;
 pub mod exr;
+pub mod input;
 pub mod png;

@@ -1,7 +1,8 @@
 //! The keys of a scene file, as TOML tables. Unknown keys are refused by name.
 
+use super::place::of_byte;
 use super::source::Source;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::image::Border;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -263,16 +264,16 @@ impl TryFrom<Value> for VeilValue {
     }
 }
 
-/// Reads the file at `source` as a `T`.
+/// The contents of `source` as a `T`.
 pub(super) fn parse<T: DeserializeOwned>(source: &Source) -> Result<T> {
-    let failed = |e: std::io::Error| Error::Read { path: source.path.to_path_buf(), reason: e.to_string() };
-    let text = std::fs::read_to_string(source.path).map_err(failed)?;
-    let table: toml::Table = text.parse().map_err(|e: toml::de::Error| {
-        let line = e.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
-        source.error(format!("line {line}: {}", e.message().trim()))
-    })?;
-    // Without the text, the error's own message names the table of the key; it may span several lines.
-    let worded =
-        |e: toml::de::Error| source.error(e.to_string().split_whitespace().collect::<Vec<_>>().join(" "));
-    Value::Table(table).try_into().map_err(worded)
+    let text = &source.text;
+    let read = |error: toml::de::Error| {
+        let place = error.span().map(|span| of_byte(text, span.start));
+        // Without the text, the error's own message names the table of the key.
+        let named =
+            text.parse::<toml::Table>().ok().and_then(|table| Value::Table(table).try_into::<T>().err());
+        let message = named.map_or_else(|| error.message().to_string(), |named| named.to_string());
+        source.error_at(place, &message.split_whitespace().collect::<Vec<_>>().join(" "))
+    };
+    toml::from_str(text).map_err(read)
 }

@@ -1,7 +1,7 @@
 //! The images that a scene names, each checked pixel by pixel.
 
 use super::format::{NumberOrFile, ObjectSection};
-use super::source::Source;
+use super::source::{LARGEST, Source};
 use crate::error::{Error, Result};
 use crate::geometry::{Camera, FARTHEST, Field, Geometry};
 use crate::image::{Channel, Image};
@@ -63,7 +63,8 @@ pub(super) fn read_radiance(source: &Source, section: &ObjectSection) -> Result<
 /// Refuses the first pixel that is not finite or negative.
 pub(super) fn check_radiance(path: &Path, channels: &[Channel]) -> Result<()> {
     channels.iter().try_for_each(|channel| {
-        check_pixels(path, channel, "at least 0 and at most 1e30", |v| (0.0..=1e30).contains(&v))
+        let ok = |v: f32| (0.0..=LARGEST as f32).contains(&v);
+        check_pixels(path, channel, "at least 0 and at most 1e15; scale all images alike", ok)
     })
 }
 

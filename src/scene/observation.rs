@@ -2,7 +2,7 @@
 
 use super::format::{NumberOrFree, ObservationSection, VeilValue};
 use super::images::{Frame, check_pixels, check_size};
-use super::source::Source;
+use super::source::{LARGEST, Source};
 use super::variance;
 use super::{Gain, HIDDEN_SHARE_MAX, Noise, Observation, Registration, Scene, Veil};
 use crate::error::{Error, Result};
@@ -110,9 +110,8 @@ pub(super) fn read_observation(
         image.iter_mut().for_each(|channel| blank(channel, mask));
     }
     for channel in &image {
-        check_pixels(&path, channel, "finite where the mask does not exclude it, at most 1e30", |v| {
-            v.abs() <= 1e30
-        })?;
+        let allowed = "finite where the mask does not exclude it, and at most 1e15; scale all images alike";
+        check_pixels(&path, channel, allowed, |v| v.abs() <= LARGEST as f32)?;
     }
     for channel in &image {
         let counted = |i: &usize| mask.as_ref().is_none_or(|m| m.data[*i] > 0.0);
@@ -181,7 +180,7 @@ fn read_veil(path: PathBuf, names: &[&str], observed: &Frame, mask: Option<&Imag
         if let Some(mask) = mask {
             blank(channel, mask);
         }
-        check_pixels(&path, channel, "finite", f32::is_finite)?;
+        check_pixels(&path, channel, "finite and at most 1e15", |v| v.abs() <= LARGEST as f32)?;
     }
     Ok(veil)
 }

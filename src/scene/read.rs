@@ -94,7 +94,7 @@ struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     fn open(path: &'a Path) -> Result<Self> {
-        let source = Source { path };
+        let source = Source::read(path)?;
         let file: SceneFile = parse(&source)?;
         let camera = camera(&source, &file.camera)?;
         Ok(Self { source, file, camera })
@@ -145,8 +145,11 @@ impl<'a> Reader<'a> {
             geometry.depth = along_rays(&geometry, &geometry.depth);
             geometry.surface = along_rays(&geometry, &geometry.surface);
         }
-        let culprit = depth.path.or(surface.path).unwrap_or_else(|| self.source.path.to_path_buf());
-        geometry.check().map_err(|e| Error::Scene { path: culprit, message: e.to_string() })?;
+        let culprit = depth.path.or(surface.path);
+        geometry.check().map_err(|e| match culprit {
+            Some(path) => Error::Scene { path, message: e.to_string() },
+            None => self.source.error(format!("[object] depth: {e}")),
+        })?;
         Ok(geometry)
     }
 }
