@@ -46,6 +46,20 @@ pub enum Error {
         /// The channel names present.
         found: String,
     },
+    /// An image in which several channels may be meant.
+    #[error(
+        "{}: several layers hold {wanted}: {}; say which by the key {key}", shown(.path), one_line(.among)
+    )]
+    Ambiguous {
+        /// The file.
+        path: PathBuf,
+        /// What is wanted.
+        wanted: String,
+        /// The names that may be meant.
+        among: String,
+        /// The key that says it.
+        key: &'static str,
+    },
     /// One pixel holds a value that has no meaning there.
     #[error(
         "{}: channel {}, pixel ({x}, {y}) is {}: must be {allowed}",
@@ -187,6 +201,16 @@ impl Error {
                 Error::OutOfRange { name: format!("{within} {name}"), value, allowed }
             }
             Error::NothingToFit(what) => Error::NothingToFit(format!("{within}: {what}")),
+            other => other,
+        }
+    }
+
+    /// The same error about a channel, with what made it wanted.
+    pub(crate) fn since(self, why: impl FnOnce() -> String) -> Self {
+        match self {
+            Error::MissingChannel { path, wanted, found } => {
+                Error::MissingChannel { path, wanted: format!("{wanted} ({})", why()), found }
+            }
             other => other,
         }
     }

@@ -149,6 +149,11 @@ pub(super) fn validity(medium: &Medium, z: f64) -> f64 {
     medium.tau(z) * medium.phase().family().mean_square_angle(medium.phase().parameter())
 }
 
+/// A path to an EXR image.
+pub(super) fn exr_only(path: PathBuf) -> Result<PathBuf, &'static str> {
+    if has_extension(&path, "exr") { Ok(path) } else { Err("must end in .exr") }
+}
+
 /// A path to an EXR image or a PNG picture.
 pub(super) fn exr_or_png(path: PathBuf) -> Result<PathBuf, &'static str> {
     if has_extension(&path, "exr") || has_extension(&path, "png") {

@@ -3,7 +3,7 @@
 use super::backend::Chosen;
 use super::errors::Usage;
 use super::options::{
-    MediumOptions, RenderOptions, TracingOptions, exr_or_png, has_extension, provenance, record_of,
+    MediumOptions, RenderOptions, TracingOptions, exr_only, exr_or_png, has_extension, provenance, record_of,
 };
 use super::progress::Progress;
 use crate::filter::{CUT, Filter, Target};
@@ -30,7 +30,7 @@ pub(super) struct Arguments {
     #[command(flatten)]
     medium: MediumOptions,
     /// Image to write
-    #[arg(long, value_name = "FILE.exr")]
+    #[arg(long, value_name = "FILE.exr", value_parser = PathBufValueParser::new().try_map(exr_only))]
     output: PathBuf,
     /// Also write the share of each pixel's light that may be hidden behind near surfaces, where no layer shows it: an
     /// EXR of the object's channels, or a PNG picture
@@ -78,10 +78,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     attributes.push(("filter".into(), Filter::of(relief.as_ref()).name().into()));
     attributes.push(("backend".into(), chosen.describe()));
     attributes.extend(record_of(&media));
-    exr::write(&arguments.output, &channels, &attributes)?;
+    exr::write_finite(&arguments.output, &channels, &attributes)?;
     match &arguments.hidden_share {
         Some(path) if has_extension(path, "png") => draw_hidden_share(path, &scene, shares)?,
-        Some(path) => exr::write(path, &shares, &attributes)?,
+        Some(path) => exr::write_finite(path, &shares, &attributes)?,
         None => (),
     }
     if cut {

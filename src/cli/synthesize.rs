@@ -4,7 +4,7 @@ use super::backend::Chosen;
 use super::errors::Usage;
 use super::names::WantedModel;
 use super::options::{
-    MediumOptions, RenderOptions, exr_or_png, has_extension, provenance, record_of, validity,
+    MediumOptions, RenderOptions, exr_only, exr_or_png, has_extension, provenance, record_of, validity,
 };
 use super::progress::Progress;
 use crate::filter::CUT;
@@ -34,7 +34,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(exr_or_png))]
     output: PathBuf,
     /// Also write its parts as channels of an EXR: clear.R (object in clear air), direct.R, scattered.R, veil.R, ...
-    #[arg(long, value_name = "FILE.exr")]
+    #[arg(long, value_name = "FILE.exr", value_parser = PathBufValueParser::new().try_map(exr_only))]
     parts: Option<PathBuf>,
 }
 
@@ -66,10 +66,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     if has_extension(&arguments.output, "png") {
         png::write_picture(&arguments.output, &total, Tone::of(&total))?;
     } else {
-        exr::write(&arguments.output, &total, &attributes)?;
+        exr::write_finite(&arguments.output, &total, &attributes)?;
     }
     if let Some(path) = &arguments.parts {
-        exr::write(path, &layers(&made), &attributes)?;
+        exr::write_finite(path, &layers(&made), &attributes)?;
     }
     if made.cut {
         eprintln!("warning (kernel_cut): {CUT}");

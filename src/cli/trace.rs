@@ -1,6 +1,6 @@
 //! `narrowbeam trace`: a scene's image by following paths, with the variance of each pixel.
 
-use super::options::{MediumOptions, provenance, record_of};
+use super::options::{MediumOptions, exr_only, provenance, record_of};
 use super::progress::Progress;
 use super::say;
 use crate::image::{Channel, Image};
@@ -8,6 +8,7 @@ use crate::io::{atomic, exr};
 use crate::medium::Medium;
 use crate::scene::Scene;
 use crate::trace::{ImageConfig, trace_image};
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -26,7 +27,7 @@ pub(super) struct Arguments {
     #[command(flatten)]
     medium: MediumOptions,
     /// EXR file to write: channels Y and Y.variance, or R, R.variance, G, ...
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(exr_only))]
     output: PathBuf,
 }
 
@@ -60,7 +61,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let seconds = start.elapsed().as_secs_f64();
     drop(progress);
 
-    exr::write(&arguments.output, &channels, &record(arguments, &media))?;
+    exr::write_finite(&arguments.output, &channels, &record(arguments, &media))?;
     let rate = paths as f64 / seconds / 1e6;
     say(&format!("traced {paths} paths in {seconds:.2} s: {rate:.2} million paths/s\n"))?;
     Ok(ExitCode::SUCCESS)

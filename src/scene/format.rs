@@ -33,7 +33,10 @@ pub(super) struct ObjectSection {
     pub radiance: Option<PathBuf>,
     pub reflectance: Option<PathBuf>,
     pub shading: Option<PathBuf>,
+    pub layer_name: Option<String>,
+    pub channels: Option<Vec<String>>,
     pub depth: NumberOrFile,
+    pub depth_channel: Option<String>,
     #[serde(default)]
     pub depth_kind: DepthKind,
     #[serde(default)]
@@ -52,6 +55,9 @@ pub(super) struct ObjectSection {
 pub(super) struct LayerSection {
     pub radiance: PathBuf,
     pub depth: NumberOrFile,
+    pub layer_name: Option<String>,
+    pub channels: Option<Vec<String>>,
+    pub depth_channel: Option<String>,
 }
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
@@ -73,6 +79,8 @@ pub(super) struct CameraSection {
 #[serde(deny_unknown_fields)]
 pub(super) struct ObservationSection {
     pub image: Option<PathBuf>,
+    pub layer_name: Option<String>,
+    pub channels: Option<Vec<String>>,
     /// Size of the view while there is no observed image to take it from.
     pub size_px: Option<[usize; 2]>,
     pub offset_px: Option<[usize; 2]>,

@@ -1,7 +1,7 @@
 //! `[illumination]`, and the object that it lights.
 
 use super::format::{IlluminationSection, ObjectSection};
-use super::images::{ObjectImage, check_pixels, check_radiance, check_size};
+use super::images::{ObjectImage, as_the_object, check_pixels, check_radiance, check_size, pick};
 use super::medium::ChannelOf;
 use super::source::Source;
 use super::{Illumination, Scene};
@@ -22,7 +22,8 @@ pub(super) fn read_reflectance(
         return Err(source.error("[[object.layer]] is given, but [object] reflectance has no layers"));
     }
     let path = source.resolve(named);
-    let channels = ExrFile::read(&path)?.radiance()?;
+    let pick = pick(source, "[object]", &section.layer_name, &section.channels)?;
+    let channels = ExrFile::read(&path)?.picked_radiance(&pick)?;
     for channel in &channels {
         check_pixels(&path, channel, "between 0 and 1, a reflectance", |v| (0.0..=1.0).contains(&v))?;
     }
@@ -76,7 +77,8 @@ pub(super) fn read_illumination(
             }
             let path = source.resolve(named);
             let names: Vec<&str> = scene.object.iter().map(|c| c.name.as_str()).collect();
-            let channels = ExrFile::read(&path)?.channels(&names)?;
+            let channels =
+                ExrFile::read(&path)?.channels(&names).map_err(|e| e.since(|| as_the_object(&names)))?;
             for channel in &channels {
                 let size = (scene.view.width, scene.view.height);
                 check_size(&path, &channel.image, size, "[illumination] image: the view")?;

@@ -5,7 +5,7 @@ use super::source::{LARGEST, Source};
 use crate::error::{Error, Result};
 use crate::geometry::{Camera, FARTHEST, Field, Geometry};
 use crate::image::{Channel, Image};
-use crate::io::exr::ExrFile;
+use crate::io::exr::{ExrFile, Pick};
 use std::path::{Path, PathBuf};
 
 /// An image that determines the size of others.
@@ -55,9 +55,31 @@ pub(super) fn read_radiance(source: &Source, section: &ObjectSection) -> Result<
         (Some(named), None) => named,
     };
     let path = source.resolve(named);
-    let channels = ExrFile::read(&path)?.radiance()?;
+    let pick = pick(source, "[object]", &section.layer_name, &section.channels)?;
+    let channels = ExrFile::read(&path)?.picked_radiance(&pick)?;
     check_radiance(&path, &channels)?;
     Ok(ObjectImage { path, channels })
+}
+
+/// What `layer_name` and `channels` of this section say.
+pub(super) fn pick(
+    source: &Source,
+    section: &str,
+    layer: &Option<String>,
+    channels: &Option<Vec<String>>,
+) -> Result<Pick> {
+    if let Some(names) = channels
+        && !matches!(names.len(), 1 | 3)
+    {
+        return Err(source
+            .error(format!("{section} channels names {}: must be one, or three for R, G, B", names.len())));
+    }
+    Ok(Pick { layer: layer.clone(), channels: channels.clone() })
+}
+
+/// Why an image must have the channels `names`.
+pub(super) fn as_the_object(names: &[&str]) -> String {
+    format!("the object has {}", names.join(", "))
 }
 
 /// Refuses the first pixel that is not finite or negative.
@@ -76,8 +98,16 @@ pub(super) struct Distance {
 
 /// The depth of the object or of a further layer, as `key` says: NaN is an error, and so is a number that means no
 /// object. `object` is the object image.
-pub(super) fn depth(source: &Source, key: &str, value: &NumberOrFile, object: &Frame) -> Result<Distance> {
+pub(super) fn depth(
+    source: &Source,
+    key: &str,
+    (value, channel): (&NumberOrFile, Option<&str>),
+    object: &Frame,
+) -> Result<Distance> {
     match value {
+        NumberOrFile::Number(_) if channel.is_some() => {
+            Err(source.error(format!("{key}_channel is given, but the depth is a number")))
+        }
         NumberOrFile::Number(v) => {
             let ok = *v > 0.0 && *v <= FARTHEST;
             source.in_range(key, *v, ok, "above 0 and at most 1e9")?;
@@ -85,7 +115,8 @@ pub(super) fn depth(source: &Source, key: &str, value: &NumberOrFile, object: &F
         }
         NumberOrFile::File(named) => {
             let path = source.resolve(named);
-            let channel = ExrFile::read(&path)?.depth()?;
+            let file = ExrFile::read(&path)?;
+            let channel = channel.map_or_else(|| file.depth(), |name| file.named(name))?;
             map(path, channel, object, "a distance (0 or infinite where there is no object)", |v| !v.is_nan())
         }
     }

@@ -1,7 +1,7 @@
 //! `[[object.layer]]`: known surfaces behind the object, nearest first.
 
 use super::format::{DepthKind, ObjectSection};
-use super::images::{ObjectImage, along_rays, check_radiance, depth};
+use super::images::{ObjectImage, along_rays, as_the_object, check_radiance, depth, pick};
 use super::source::Source;
 use crate::error::{Error, Result};
 use crate::geometry::Geometry;
@@ -20,15 +20,18 @@ pub(super) fn read_layers(
     let mut behind = vec![Vec::new(); object.channels.len()];
     for (i, layer) in section.layer.iter().enumerate() {
         let path = source.resolve(&layer.radiance);
-        let channels = ExrFile::read(&path)?.channels(&names)?;
+        let section_name = format!("[[object.layer]] {}", i + 1);
+        let pick = pick(source, &section_name, &layer.layer_name, &layer.channels)?;
+        let file = ExrFile::read(&path)?;
+        let channels = file.picked(&names, &pick).map_err(|e| e.since(|| as_the_object(&names)))?;
         for channel in &channels {
             object.frame().check(&path, &channel.image, "the object image")?;
         }
         check_radiance(&path, &channels)?;
         behind.iter_mut().zip(channels).for_each(|(images, channel)| images.push(channel.image));
 
-        let key = format!("[[object.layer]] {} depth", i + 1);
-        let depth = depth(source, &key, &layer.depth, &object.frame())?;
+        let key = format!("{section_name} depth");
+        let depth = depth(source, &key, (&layer.depth, layer.depth_channel.as_deref()), &object.frame())?;
         let distance = match section.depth_kind {
             DepthKind::Ray => depth.field,
             DepthKind::Planar => along_rays(geometry, &depth.field),

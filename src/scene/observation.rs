@@ -1,7 +1,7 @@
 //! `[observation]`: which part of the object is seen, and the image of it.
 
 use super::format::{NumberOrFree, ObservationSection, VeilValue};
-use super::images::{Frame, check_pixels, check_size};
+use super::images::{Frame, as_the_object, check_pixels, check_size, pick};
 use super::source::{LARGEST, Source};
 use super::variance;
 use super::{Gain, HIDDEN_SHARE_MAX, Noise, Observation, Registration, Scene, Veil};
@@ -101,7 +101,8 @@ pub(super) fn read_observation(
     let names: Vec<&str> = scene.object.iter().map(|c| c.name.as_str()).collect();
     let frame = Frame { path: &path, size: (scene.view.width, scene.view.height) };
 
-    let mut image = observed?.channels(&names)?;
+    let pick = pick(source, "[observation]", &section.layer_name, &section.channels)?;
+    let mut image = observed?.picked(&names, &pick).map_err(|e| e.since(|| as_the_object(&names)))?;
     for channel in &image {
         check_size(&path, &channel.image, frame.size, "the view")?;
     }
@@ -174,7 +175,8 @@ fn read_mask(path: &Path, observed: &Frame) -> Result<Image> {
 }
 
 fn read_veil(path: PathBuf, names: &[&str], observed: &Frame, mask: Option<&Image>) -> Result<Vec<Channel>> {
-    let mut veil = ExrFile::read(&path)?.channels(names)?;
+    let file = ExrFile::read(&path)?;
+    let mut veil = file.channels(names).map_err(|e| e.since(|| as_the_object(names)))?;
     for channel in &mut veil {
         observed.check(&path, &channel.image, "the observed image")?;
         if let Some(mask) = mask {

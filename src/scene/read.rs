@@ -107,7 +107,8 @@ impl<'a> Reader<'a> {
         let medium = read_medium(source, self.file.medium.as_ref(), channels)?;
         let fit = read_fit(source, &self.file.fit, channels)?;
         let frame = object.frame();
-        let depth = depth(source, "[object] depth", &section.depth, &frame)?;
+        let depth =
+            depth(source, "[object] depth", (&section.depth, section.depth_channel.as_deref()), &frame)?;
         let surface = surface(source, &section.surface, &frame)?;
         let mut geometry = self.geometry(frame, depth, surface)?;
         let behind = read_layers(source, section, &object, &mut geometry)?;
