@@ -15,10 +15,12 @@ mod observation;
 mod place;
 mod read;
 mod sampling;
+mod slips;
 mod source;
 mod variance;
 
 pub use medium::read_truth;
+pub use slips::medium_slip;
 
 use crate::geometry::Geometry;
 use crate::illumination::{Bottom, Shading, Sun};

@@ -76,6 +76,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
         }
     }
     atomic::check_writable(&arguments.out.join("fit.json"))?;
+    let all: Vec<_> = scenes.iter().map(|observed| &observed.scene).collect();
+    if let Some(why) = chosen.long(&all, [CONFIRMING_RENDERS, TYPICAL_RENDERS]) {
+        // A broken stderr changes nothing.
+        let _ = writeln!(std::io::stderr(), "{why}");
+    }
     let mut fit = estimate(arguments, &scenes, &chosen)?;
     add_intervals(arguments, &scenes, &chosen, &mut fit)?;
     advise(arguments, &scenes, &chosen, &mut fit)?;

@@ -1,7 +1,7 @@
 //! `narrowbeam forecast`: the predicted errors of a planned measurement.
 
 use super::backend::Chosen;
-use super::options::{MediumOptions, RenderOptions, positive};
+use super::options::{MediumOptions, RenderOptions, positive, say_slips};
 use super::progress::Progress;
 use super::{UNDETERMINED, aligned, say};
 use crate::fit::{Plan, Settings, forecast};
@@ -37,6 +37,7 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let scenes = arguments.scenes.iter().map(|path| Scene::read(path)).collect::<crate::Result<Vec<_>>>()?;
     let media = scenes[0].media(arguments.medium.values())?;
+    say_slips(&scenes[0], &media);
     let chosen = Chosen::new(arguments.rendering.backend, &scenes, [1, 2])?;
     let geometries: Vec<_> = scenes.iter().map(|scene| (&scene.geometry, &scene.object[0].image)).collect();
     let progress = Progress::uncounted("predicting errors");

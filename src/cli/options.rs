@@ -9,9 +9,10 @@ use crate::geometry::PathLengths;
 use crate::medium::Medium;
 use crate::phase::PhaseFunction;
 use crate::phase::{Family, b_of_spread_angle};
-use crate::scene::PartialMedium;
+use crate::scene::{PartialMedium, Scene, medium_slip};
 use crate::spread::{Model, SMALL_ANGLE_LIMIT};
 use clap::Args;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// The medium on the command line, in place of the scene's `[medium]`.
@@ -166,6 +167,14 @@ pub(super) fn exr_or_png(path: PathBuf) -> Result<PathBuf, &'static str> {
 /// Whether `path` ends in `extension`, in any case.
 pub(super) fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
+}
+
+/// Says what is odd about a scene and its media, if anything is.
+pub(super) fn say_slips(scene: &Scene, media: &[Medium]) {
+    for slip in media.iter().find_map(medium_slip).into_iter().chain(scene.unit_slip()) {
+        // A broken stderr changes nothing.
+        let _ = writeln!(std::io::stderr(), "warning (units): {slip}");
+    }
 }
 
 /// The media of the channels, for the files that a command writes; one value per channel.

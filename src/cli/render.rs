@@ -4,6 +4,7 @@ use super::backend::Chosen;
 use super::errors::Usage;
 use super::options::{
     MediumOptions, RenderOptions, TracingOptions, exr_only, exr_or_png, has_extension, provenance, record_of,
+    say_slips,
 };
 use super::progress::Progress;
 use crate::filter::{CUT, Filter, Target};
@@ -42,6 +43,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     arguments.tracing.check(&arguments.rendering)?;
     let scene = Scene::read(&arguments.scene)?;
     let media = scene.media(arguments.medium.values())?;
+    say_slips(&scene, &media);
     check_outputs(arguments)?;
     let chosen = Chosen::new(arguments.rendering.backend, [&scene], [1, 1])?;
     let progress = Progress::uncounted("rendering");

@@ -4,7 +4,8 @@ use super::backend::Chosen;
 use super::errors::Usage;
 use super::names::WantedModel;
 use super::options::{
-    MediumOptions, RenderOptions, exr_only, exr_or_png, has_extension, provenance, record_of, validity,
+    MediumOptions, RenderOptions, exr_only, exr_or_png, has_extension, provenance, record_of, say_slips,
+    validity,
 };
 use super::progress::Progress;
 use crate::filter::CUT;
@@ -41,6 +42,7 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let lit = LitScene::read(&arguments.scene)?;
     let media = lit.scene.media(arguments.medium.values())?;
+    say_slips(&lit.scene, &media);
     atomic::check_writable(&arguments.output)?;
     if let Some(path) = &arguments.parts {
         if *path == arguments.output {

@@ -1,6 +1,6 @@
 //! `narrowbeam trace`: a scene's image by following paths, with the variance of each pixel.
 
-use super::options::{MediumOptions, exr_only, provenance, record_of};
+use super::options::{MediumOptions, exr_only, provenance, record_of, say_slips};
 use super::progress::Progress;
 use super::say;
 use crate::image::{Channel, Image};
@@ -34,6 +34,7 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let scene = Scene::read(&arguments.scene)?;
     let media = scene.media(arguments.medium.values())?;
+    say_slips(&scene, &media);
     atomic::check_writable(&arguments.output)?;
 
     let all = (scene.view.pixels() * scene.object.len()) as u64 * u64::from(arguments.samples);

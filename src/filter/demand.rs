@@ -1,10 +1,8 @@
 //! The memory that a filter takes, reserved before it is taken.
 
-use super::Target;
 use super::canvas::Canvas;
 use super::plan::Plan;
-use super::slices::Node;
-use super::sources::{Layer, Source};
+use super::sources::Layer;
 use crate::error::Result;
 use crate::image::Border;
 use crate::memory::{Reservation, product, reserve};
@@ -14,17 +12,6 @@ use crate::memory::{Reservation, product, reserve};
 const RENDERED: usize = 12;
 /// Bytes of an object pixel whose direct light is listed.
 const DIRECT: usize = 32;
-
-/// Reserves what finding the slices of `target` takes: the sources of all layers, and their nodes, sorted.
-pub(super) fn reserve_layers(target: &Target) -> Result<Reservation> {
-    let pixels = target.radiance.data.len();
-    let each = size_of::<Option<Source>>() * (1 + target.behind.len()) + 3 * size_of::<Node>();
-    let what = || {
-        let (width, height) = (target.radiance.width, target.radiance.height);
-        format!("the light of {width}x{height} px in {} layers", 1 + target.behind.len())
-    };
-    reserve(what, product(&[pixels, each]))
-}
 
 /// Reserves what a filter of `plan` and its renders take on `canvas`: the object's light, and that of its slopes, weighted for
 /// each slice.

@@ -1,10 +1,9 @@
 //! What every backend prepares itself from: a target cut into slices, and how far its image must be padded.
 
 use super::canvas::most_reach;
-use super::demand::reserve_layers;
 use super::obliquity::Obliquities;
 use super::slices::{Node, Slices};
-use super::sources::{Layer, hidden_layers, layers};
+use super::sources::{Layer, hidden_layers, layers, reserve_layers};
 use super::{Optics, Target};
 use crate::error::Result;
 use crate::image::Border;

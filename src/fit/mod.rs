@@ -20,6 +20,7 @@ mod report;
 mod scenes;
 mod select;
 mod settings;
+mod slips;
 
 pub use channel::fit_channel;
 pub use design::{Advice, Plan, add_advice, advise, forecast};
@@ -39,3 +40,4 @@ pub use report::{
 pub use scenes::{SceneFit, check_scenes, fit_scenes};
 pub use select::{SEQUENCE, filter_is_weak, leave_out_tracing, select, trace_instead, tracing_seconds};
 pub use settings::{Method, Settings};
+pub use slips::slips;

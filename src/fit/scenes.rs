@@ -5,6 +5,7 @@ use super::interval::Intervals;
 use super::observation::{NoiseTerm, Observation, VeilTerm};
 use super::parameters::Parameters;
 use super::report::{Fit, Ways, suffix};
+use super::slips::slips;
 use super::{Settings, fit_channel};
 use crate::error::{Error, Result};
 use crate::filter::{Filter, Target};
@@ -141,7 +142,8 @@ pub fn fit_scenes(
         channels.push((name.to_string(), fit_channel(&observations, &first.fit[i], settings, progress)?));
     }
     let used = Filter::of(reliefs.iter().flatten().next());
-    let report = Fit::new(&channels, settings, used, clock.elapsed().as_secs_f64());
+    let mut report = Fit::new(&channels, settings, used, clock.elapsed().as_secs_f64());
+    report.warnings.extend(slips(scenes));
     Ok(SceneFit { channels, report })
 }
 

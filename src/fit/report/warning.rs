@@ -59,6 +59,14 @@ pub enum WarningCode {
     ModelErrorUnknown,
     /// The scene is outside what the model is valid for.
     OutsideValidity,
+    /// Lengths are hardly in one unit.
+    Units,
+    /// The observation is brighter or darker than the clear image allows.
+    Brightness,
+    /// The observation is sharper than the clear image.
+    SwappedImages,
+    /// The observation is like the clear image flipped.
+    FlippedImage,
 }
 
 impl WarningCode {
@@ -85,6 +93,10 @@ impl WarningCode {
             Self::ModelError => "model_error",
             Self::ModelErrorUnknown => "model_error_unknown",
             Self::OutsideValidity => "outside_validity",
+            Self::Units => "units",
+            Self::Brightness => "brightness",
+            Self::SwappedImages => "swapped_images",
+            Self::FlippedImage => "flipped_image",
         }
     }
 }

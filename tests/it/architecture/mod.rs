@@ -62,7 +62,8 @@ const ROOMS: &[Rule] = &[
     ("channel", "settings observation optimise inference"),
     ("interval", "settings parameters observation inference channel"),
     ("report", "settings parameters inference channel"),
-    ("scenes", "settings parameters observation inference channel interval report"),
+    ("slips", "report"),
+    ("scenes", "settings parameters observation inference channel interval report slips"),
     ("select", "settings parameters observation optimise inference report scenes"),
     ("design", "settings parameters observation inference report scenes select"),
 ];

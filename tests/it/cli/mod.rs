@@ -3,9 +3,10 @@
 mod bad_input;
 mod chart;
 mod fit;
+mod hostile;
 mod phase;
 mod render;
 mod studies;
 mod synthesize;
 mod table;
-mod workshop;
+pub(crate) mod workshop;
