@@ -127,8 +127,9 @@ fn against_eq29(name: &str, geometry: &Geometry, optics: &Optics) -> String {
     let composite = Target { relief: Some(&relief), ..eq29 };
     let far = geometry.path_lengths().into_iter().fold(0.0, f64::max);
     let reach_px = optics.kernel(far).unwrap().support(1e-5) / geometry.pixel_pitch(far);
-    let eq29 = CpuFilter::with_slices(eq29, SLICES, reach_px);
-    let composite = CpuFilter::with_slices(composite, SLICES / (relief.occluders.len() + 1), reach_px);
+    let eq29 = CpuFilter::with_slices(eq29, SLICES, reach_px).unwrap();
+    let composite =
+        CpuFilter::with_slices(composite, SLICES / (relief.occluders.len() + 1), reach_px).unwrap();
     assert_eq!(eq29.slice_count(), composite.slice_count(), "{name}: {} occluders", relief.occluders.len());
 
     let render = in_turns([&eq29, &composite], |filter| {

@@ -85,7 +85,7 @@ const BLOCK: usize = 256;
 fn gram_floor(target: Target, fit: impl Fn(&FitOptions) -> ChannelFit) -> String {
     let found = fit(&FitOptions::default());
     let optics = Optics { model: Model::SmallAngle, medium: found.parameters.medium().unwrap() };
-    let basis = Basis::new(target).unwrap();
+    let basis = Basis::new(target).unwrap().unwrap();
     let weights =
         best_of(5, || (0..100).for_each(|_| drop(black_box(basis.weights(&optics).unwrap())))) / 100.0;
     let images = best_of(5, || {
@@ -153,7 +153,7 @@ fn floor(target: Target, fit: impl Fn(&FitOptions) -> ChannelFit) -> String {
     let starts = found.evaluations - started.evaluations;
 
     let side = target.radiance.width;
-    let start_filter = CpuFilter::with_slices(target, 1, START_PADDING * side as f64);
+    let start_filter = CpuFilter::with_slices(target, 1, START_PADDING * side as f64).unwrap();
     let optics = Optics { model: Model::SmallAngle, medium: found.start.medium().unwrap() };
     let filter = CpuFilter::new(target, &optics, HEADROOM).unwrap();
     let (per_start, _, start_size) = start_filter.transforms();

@@ -5,3 +5,6 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 # Fits that are killed at 200 random moments.
 cargo test --release --locked --test it cli::killed:: -- --ignored --nocapture
+
+# A million damaged inputs and a thousand damaged command lines.
+NARROWBEAM_FUZZ="${NARROWBEAM_FUZZ:-500000}" cargo test --release --locked --test it fuzz:: -- --nocapture

@@ -1,5 +1,9 @@
 //! Every error of the library, each naming its cause.
 
+mod words;
+
+pub(crate) use words::{number, one_line, shown, size};
+
 use std::path::PathBuf;
 
 /// What went wrong, with the name, value, file or pixel that has to be corrected.
@@ -7,7 +11,7 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum Error {
     /// A number outside the range in which the physics is defined.
-    #[error("{name} = {value}: must be {allowed}")]
+    #[error("{name} = {}: must be {allowed}", number(*.value))]
     OutOfRange {
         /// The quantity's name.
         name: String,
@@ -17,7 +21,7 @@ pub enum Error {
         allowed: &'static str,
     },
     /// A file that cannot be opened or decoded.
-    #[error("{path}: cannot be read: {reason}")]
+    #[error("{}: cannot be read: {}", shown(.path), one_line(.reason))]
     Read {
         /// The file.
         path: PathBuf,
@@ -25,7 +29,7 @@ pub enum Error {
         reason: String,
     },
     /// A file or directory that cannot be written.
-    #[error("{path}: cannot be written: {source}")]
+    #[error("{}: cannot be written: {source}", shown(.path))]
     Write {
         /// The file or directory.
         path: PathBuf,
@@ -41,7 +45,7 @@ pub enum Error {
         why: String,
     },
     /// An image without the channel that is needed.
-    #[error("{path}: has no channel {wanted}; it holds {found}")]
+    #[error("{}: has no channel {}; it holds {}", shown(.path), one_line(.wanted), one_line(.found))]
     MissingChannel {
         /// The file.
         path: PathBuf,
@@ -50,8 +54,25 @@ pub enum Error {
         /// The channel names present.
         found: String,
     },
+    /// An image in which several channels may be meant.
+    #[error(
+        "{}: several layers hold {wanted}: {}; say which by the key {key}", shown(.path), one_line(.among)
+    )]
+    Ambiguous {
+        /// The file.
+        path: PathBuf,
+        /// What is wanted.
+        wanted: String,
+        /// The names that may be meant.
+        among: String,
+        /// The key that says it.
+        key: &'static str,
+    },
     /// One pixel holds a value that has no meaning there.
-    #[error("{path}: channel {channel}, pixel ({x}, {y}) is {value}: must be {allowed}")]
+    #[error(
+        "{}: channel {}, pixel ({x}, {y}) is {}: must be {allowed}",
+        shown(.path), one_line(.channel), number(*.value)
+    )]
     BadPixel {
         /// The file.
         path: PathBuf,
@@ -66,8 +87,36 @@ pub enum Error {
         /// The allowed range, in words.
         allowed: &'static str,
     },
+    /// An image for which the memory budget is too small.
+    #[error(
+        "{}: {} would take {} of memory, and the budget leaves {}; use a smaller image, or a larger budget",
+        shown(.path), one_line(.what), size(*.bytes), size(*.left)
+    )]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// What it holds.
+        what: String,
+        /// What it would take, bytes.
+        bytes: u64,
+        /// What is left, bytes.
+        left: u64,
+    },
+    /// A computation for which the memory budget is too small.
+    #[error(
+        "{what}: takes {} of memory, and the budget leaves {}; use fewer pixels for the same scene, or a larger budget",
+        size(*.bytes), size(*.left)
+    )]
+    Memory {
+        /// What takes it.
+        what: String,
+        /// What it takes, bytes.
+        bytes: u64,
+        /// What is left, bytes.
+        left: u64,
+    },
     /// An image whose size does not fit the others.
-    #[error("{path}: is {found} px; {expected}")]
+    #[error("{}: is {found} px; {expected}", shown(.path))]
     WrongSize {
         /// The file.
         path: PathBuf,
@@ -77,7 +126,7 @@ pub enum Error {
         expected: String,
     },
     /// A scene file that is not valid TOML, or has a missing, unknown or contradictory key.
-    #[error("{path}: {message}")]
+    #[error("{}: {}", shown(.path), one_line(.message))]
     Scene {
         /// The scene file.
         path: PathBuf,
@@ -110,7 +159,7 @@ pub enum Error {
     #[error("model traced has no kernel: its paths are traced scene by scene")]
     NoKernel,
     /// An unknown name.
-    #[error("unknown {what} {name}; known are {known}")]
+    #[error("unknown {what} {}; known are {known}", one_line(.name))]
     UnknownName {
         /// The kind of thing named.
         what: &'static str,
@@ -126,7 +175,7 @@ pub enum Error {
     #[error("no table: {0}")]
     BadTable(String),
     /// Input that is well formed but holds nothing that a fit could use.
-    #[error("nothing to fit: {0}")]
+    #[error("nothing to fit: {}", one_line(.0))]
     NothingToFit(String),
     /// A machine without a graphics adapter.
     #[cfg(feature = "gpu")]
@@ -169,13 +218,23 @@ impl Error {
         }
     }
 
+    /// The same error about a channel, with what made it wanted.
+    pub(crate) fn since(self, why: impl FnOnce() -> String) -> Self {
+        match self {
+            Error::MissingChannel { path, wanted, found } => {
+                Error::MissingChannel { path, wanted: format!("{wanted} ({})", why()), found }
+            }
+            other => other,
+        }
+    }
+
     /// True where the user's input or usage is to blame, false where the machine is (disk full, say).
     pub fn is_usage(&self) -> bool {
         match self {
             Error::Write { source, .. } => is_of_the_path(source.kind()),
             #[cfg(feature = "gpu")]
             Error::Gpu(_) => false,
-            Error::NotFinite(_) | Error::Threads(_) => false,
+            Error::NotFinite(_) | Error::Threads(_) | Error::Memory { .. } => false,
             _ => true,
         }
     }

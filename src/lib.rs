@@ -85,7 +85,7 @@
 //! | [`gpu`] | compute on graphics adapters; contains no optics |
 //! | [`trace`] | photon tracer: an independent check, uses neither `spread` nor `filter` nor `fit` |
 //! | [`scene`], [`io`] | scene files; images of all formats |
-//! | [`error`](mod@error) | every error, naming its cause |
+//! | [`error`](mod@error), [`memory`] | every error, naming its cause; the memory budget |
 //!
 //! What a user needs is documented here. Enums that will grow are `non_exhaustive`. Items that only the tests reach, such as the
 //! reference implementations of the filter, are hidden from these pages and may change at any time.
@@ -121,6 +121,7 @@ pub mod io;
 #[cfg(feature = "lab")]
 pub mod lab;
 pub mod medium;
+pub mod memory;
 pub mod phase;
 #[cfg(feature = "plots")]
 pub mod plots;

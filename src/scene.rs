@@ -17,14 +17,17 @@ mod medium;
 mod noise;
 mod numbers;
 mod observation;
+mod place;
 mod read;
 mod sampling;
 mod saturation;
+mod slips;
 mod source;
 mod value;
 mod variance;
 
 pub use medium::read_truth;
+pub use slips::medium_slip;
 
 use crate::geometry::Geometry;
 use crate::illumination::{Bottom, Shading, Sun};

@@ -29,6 +29,9 @@ const PIXEL_SECONDS: [f64; 2] = [4e-8, 3e-7];
 /// Work for the CPU below which no device is opened: a few times what opening one and compiling the shaders takes.
 const WORTHWHILE_SECONDS: f64 = 2.0;
 
+/// Work for the CPU above which it is announced.
+const LONG_SECONDS: f64 = 60.0;
+
 impl Chosen {
     /// The choice for this number of `evaluations` of each channel of `scenes`, at one depth and over a depth map.
     ///
@@ -64,6 +67,24 @@ impl Chosen {
             Ok(gpu) => Ok(Self { gpu: Some(gpu), reason }),
             Err(e) => cpu(e.to_string()),
         }
+    }
+
+    /// What makes this many evaluations of `scenes` take minutes, and about how many, if they do.
+    pub(super) fn long(&self, scenes: &[&Scene], evaluations: [u64; 2]) -> Option<String> {
+        let total: f64 = scenes.iter().map(|scene| seconds(scene, evaluations)).sum();
+        let longest =
+            scenes.iter().max_by(|a, b| seconds(a, evaluations).total_cmp(&seconds(b, evaluations)))?;
+        let (width, height, channels) =
+            (longest.geometry.width, longest.geometry.height, longest.object.len());
+        (self.gpu.is_none() && total > LONG_SECONDS).then(|| {
+            format!(
+                "this may take {:.0} minutes or more: {width}x{height} px in {channels} channels of {} by some {} renders; a part of \
+                 the images, or fewer pixels for the same scene, take less",
+                (total / 60.0).ceil(),
+                longest.path.display(),
+                evaluations[usize::from(longest.geometry.path_lengths().len() > 1)]
+            )
+        })
     }
 
     pub(super) fn backend(&self) -> Backend<'_> {

@@ -31,6 +31,7 @@ fn worded(error: &anyhow::Error) -> String {
     match error.downcast_ref::<Error>() {
         Some(Error::NoAdapter) => format!("--backend gpu: {error}, or use --backend cpu"),
         Some(Error::Gpu(_)) => format!("{error}, or use --backend cpu"),
+        Some(Error::Memory { .. } | Error::TooLarge { .. }) => format!("{error} (--memory)"),
         Some(Error::NoKernel) => format!("--model: {error}; use it with narrowbeam fit or render"),
         _ => error.to_string(),
     }

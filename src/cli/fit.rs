@@ -77,6 +77,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let results = begin(arguments, scenes.len(), &inputs)?;
     let read = record::inputs(&inputs);
     detail(|| format!("computing on {}, to be written to {}", chosen.describe(), arguments.out.display()));
+    let all: Vec<_> = scenes.iter().map(|observed| &observed.scene).collect();
+    if let Some(why) = chosen.long(&all, [CONFIRMING_RENDERS, TYPICAL_RENDERS]) {
+        note(&why);
+    }
     let mut fit = estimate(arguments, &mut scenes, &chosen)?;
     add_intervals(arguments, &scenes, &chosen, &mut fit)?;
     advise(arguments, &scenes, &chosen, &mut fit)?;

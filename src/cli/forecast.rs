@@ -2,7 +2,7 @@
 
 use super::backend::Chosen;
 use super::console::{self, warn};
-use super::options::{MediumOptions, RenderOptions, positive};
+use super::options::{MediumOptions, RenderOptions, positive, say_slips};
 use super::progress::Progress;
 use super::record::tell_inputs;
 use super::{UNDETERMINED, aligned};
@@ -40,6 +40,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let scenes = arguments.scenes.iter().map(|path| Scene::read(path)).collect::<crate::Result<Vec<_>>>()?;
     scenes.iter().for_each(|scene| tell_inputs(&scene.files));
     let media = scenes[0].media(arguments.medium.values())?;
+    say_slips(&scenes[0], &media);
     let chosen = Chosen::new(arguments.rendering.backend, &scenes, [1, 2])?;
     let geometries: Vec<_> = scenes.iter().map(|scene| (&scene.geometry, &scene.object[0].image)).collect();
     let progress = Progress::uncounted("predicting errors");

@@ -25,6 +25,7 @@ mod synthesize;
 mod table;
 mod trace;
 
+use crate::memory::set_budget;
 use clap::{CommandFactory, Parser, Subcommand};
 use console::Level;
 use std::process::ExitCode;
@@ -43,6 +44,9 @@ struct Arguments {
     /// Also print what is read, written and computed with
     #[arg(long, short, global = true)]
     verbose: bool,
+    /// Memory that may be taken, such as 2GiB or 500MB [default: three quarters of what the machine or its control group has]
+    #[arg(long, global = true, value_name = "SIZE", value_parser = options::size)]
+    memory: Option<u64>,
 }
 
 #[derive(Debug, Subcommand)]
@@ -92,12 +96,13 @@ fn aligned(rows: &[Vec<String>]) -> String {
 /// Runs the command that the process was started with and returns its exit code: 0 done; 2 bad usage or input;
 /// 3 a fit that did not converge or left a parameter undetermined; 1 anything else.
 pub fn main() -> ExitCode {
-    let Arguments { command, quiet, verbose } = Arguments::parse();
+    let Arguments { command, quiet, verbose, memory } = Arguments::parse();
     console::set_level(match (quiet, verbose) {
         (true, _) => Level::Quiet,
         (_, true) => Level::Verbose,
         _ => Level::Normal,
     });
+    memory.into_iter().for_each(set_budget);
     signals::watch();
     let done = pool::within(|| run(command)).unwrap_or_else(|error| Err(error.into()));
     done.unwrap_or_else(|error| errors::report(&error))

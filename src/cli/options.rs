@@ -1,6 +1,7 @@
 //! Options that several commands share.
 
 use super::backend::Wanted;
+use super::console::warn;
 use super::errors::Usage;
 use super::names::WantedModel;
 use crate::filter::Filter;
@@ -10,7 +11,7 @@ use crate::io::picture::{OUTPUTS, is_output};
 use crate::medium::Medium;
 use crate::phase::PhaseFunction;
 use crate::phase::{Family, b_of_spread_angle};
-use crate::scene::PartialMedium;
+use crate::scene::{PartialMedium, Scene, medium_slip};
 use crate::spread::{Model, SMALL_ANGLE_LIMIT};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -93,6 +94,23 @@ impl TracingOptions {
     }
 }
 
+/// Bytes: a number with or without a unit, of 1000 (kB, MB, …) or 1024 (KiB, MiB, …).
+pub(super) fn size(text: &str) -> Result<u64, String> {
+    let unit = text.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.');
+    let number = positive(&text[..text.len() - unit.len()])?;
+    let lower = unit.trim().to_ascii_lowercase();
+    let scale = match lower.trim_end_matches('b') {
+        "" => 1,
+        prefix => {
+            let (letter, step) = prefix.strip_suffix('i').map_or((prefix, 1000_u64), |letter| (letter, 1024));
+            let power = ["k", "m", "g", "t"].iter().position(|&known| known == letter);
+            step.pow(power.ok_or("must be a number of bytes, such as 2GiB or 500MB")? as u32 + 1)
+        }
+    };
+    let bytes = number * scale as f64;
+    if bytes >= 1.0 { Ok(bytes as u64) } else { Err("must be at least one byte".into()) }
+}
+
 /// A finite number above 0.
 pub(super) fn positive(text: &str) -> Result<f64, String> {
     number(text, |v| v > 0.0, "must be finite and above 0")
@@ -133,6 +151,11 @@ pub(super) fn validity(medium: &Medium, z: f64) -> f64 {
     medium.tau(z) * medium.phase().family().mean_square_angle(medium.phase().parameter())
 }
 
+/// A path to an EXR image.
+pub(super) fn exr_only(path: PathBuf) -> Result<PathBuf, &'static str> {
+    if has_extension(&path, "exr") { Ok(path) } else { Err("must end in .exr") }
+}
+
 /// A path to an EXR image or a PNG picture.
 pub(super) fn exr_or_png(path: PathBuf) -> Result<PathBuf, &'static str> {
     if has_extension(&path, "exr") || has_extension(&path, "png") {
@@ -150,4 +173,23 @@ pub(super) fn output_image(path: PathBuf) -> Result<PathBuf, String> {
 /// Whether `path` ends in `extension`, in any case.
 pub(super) fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
+}
+
+/// Says what is odd about a scene and its media, if anything is.
+pub(super) fn say_slips(scene: &Scene, media: &[Medium]) {
+    for slip in media.iter().find_map(medium_slip).into_iter().chain(scene.unit_slip()) {
+        warn(&format!("warning (units): {slip}"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_have_units() {
+        let bytes = ["5", "1.5kB", "2GiB", "2 gib", "3M", "1TB"].map(|text| size(text).unwrap());
+        assert_eq!(bytes, [5, 1500, 2 << 30, 2 << 30, 3_000_000, 1_000_000_000_000]);
+        assert!(["", "GB", "-1GB", "0", "5XB", "nan", "2 G B"].iter().all(|text| size(text).is_err()));
+    }
 }

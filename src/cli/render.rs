@@ -3,7 +3,9 @@
 use super::backend::Chosen;
 use super::console::warn;
 use super::errors::Usage;
-use super::options::{MediumOptions, RenderOptions, TracingOptions, exr_or_png, has_extension, output_image};
+use super::options::{
+    MediumOptions, RenderOptions, TracingOptions, exr_or_png, has_extension, output_image, say_slips,
+};
 use super::outputs;
 use super::progress::Progress;
 use super::record::{provenance, record_of, tell_inputs};
@@ -45,6 +47,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let scene = Scene::read(&arguments.scene)?;
     tell_inputs(&scene.files);
     let media = scene.media(arguments.medium.values())?;
+    say_slips(&scene, &media);
     check_outputs(arguments, &scene.files)?;
     let chosen = Chosen::new(arguments.rendering.backend, [&scene], [1, 1])?;
     let progress = Progress::uncounted("rendering");
@@ -84,7 +87,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     picture::write(&arguments.output, &channels, &attributes)?;
     match &arguments.hidden_share {
         Some(path) if has_extension(path, "png") => draw_hidden_share(path, &scene, shares)?,
-        Some(path) => exr::write(path, &shares, &attributes)?,
+        Some(path) => exr::write_finite(path, &shares, &attributes)?,
         None => (),
     }
     if cut {

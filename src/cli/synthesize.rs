@@ -4,7 +4,7 @@ use super::backend::Chosen;
 use super::console::warn;
 use super::errors::Usage;
 use super::names::WantedModel;
-use super::options::{MediumOptions, RenderOptions, output_image, validity};
+use super::options::{MediumOptions, RenderOptions, exr_only, output_image, say_slips, validity};
 use super::outputs;
 use super::progress::Progress;
 use super::record::{provenance, record_of, tell_inputs};
@@ -35,7 +35,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FILE", value_parser = PathBufValueParser::new().try_map(output_image))]
     output: PathBuf,
     /// Also write its parts as channels of an EXR: clear.R (object in clear air), direct.R, scattered.R, veil.R, ...
-    #[arg(long, value_name = "FILE.exr")]
+    #[arg(long, value_name = "FILE.exr", value_parser = PathBufValueParser::new().try_map(exr_only))]
     parts: Option<PathBuf>,
 }
 
@@ -43,6 +43,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let lit = LitScene::read(&arguments.scene)?;
     tell_inputs(&lit.scene.files);
     let media = lit.scene.media(arguments.medium.values())?;
+    say_slips(&lit.scene, &media);
     outputs::check(&arguments.output, &lit.scene.files)?;
     if let Some(path) = &arguments.parts {
         if same(path, &arguments.output) {
@@ -67,7 +68,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<ExitCode> {
     let total = made.total();
     picture::write(&arguments.output, &total, &attributes)?;
     if let Some(path) = &arguments.parts {
-        exr::write(path, &layers(&made), &attributes)?;
+        exr::write_finite(path, &layers(&made), &attributes)?;
     }
     if made.cut {
         warn(&format!("warning (kernel_cut): {CUT}"));

@@ -1,7 +1,7 @@
 //! `narrowbeam trace`: a scene's image by following paths, with the variance of each pixel.
 
 use super::console::answer;
-use super::options::{MediumOptions, has_extension, output_image};
+use super::options::{MediumOptions, has_extension, output_image, say_slips};
 use super::outputs;
 use super::progress::Progress;
 use super::record::{provenance, record_of, tell_inputs};
@@ -51,6 +51,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
     let scene = Scene::read(&arguments.scene)?;
     tell_inputs(&scene.files);
     let media = scene.media(arguments.medium.values())?;
+    say_slips(&scene, &media);
     outputs::check(&arguments.output, &scene.files)?;
 
     let all = (scene.view.pixels() * scene.object.len()) as u64 * u64::from(arguments.samples);
@@ -80,7 +81,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
 
     let attributes = record(arguments, &media);
     if has_extension(&arguments.output, "exr") {
-        exr::write(&arguments.output, &channels, &attributes)?;
+        exr::write_finite(&arguments.output, &channels, &attributes)?;
     } else {
         // Each mean is followed by its variance.
         let means: Vec<Channel> = channels.into_iter().step_by(2).collect();

@@ -58,7 +58,8 @@ impl<'a> Backend<'a> {
     /// Prepares `target` for kernels up to as wide as those of `optics`, times `headroom`.
     ///
     /// # Errors
-    /// As [`Optics::kernel`], and [`Error::Gpu`](crate::Error::Gpu) if the device cannot hold it.
+    /// As [`Optics::kernel`], [`Error::Memory`](crate::Error::Memory), and [`Error::Gpu`](crate::Error::Gpu) if the device cannot
+    /// hold it.
     pub fn prepare(self, target: Target<'a>, optics: &Optics, headroom: f64) -> Result<Prepared<'a>> {
         self.prepare_for_shifts(target, optics, headroom, 0.0)
     }
@@ -83,9 +84,9 @@ impl<'a> Backend<'a> {
     /// `reach_px` pixels.
     ///
     /// # Errors
-    /// [`Error::Gpu`](crate::Error::Gpu) if the device cannot hold it.
+    /// [`Error::Memory`](crate::Error::Memory), and [`Error::Gpu`](crate::Error::Gpu) if the device cannot hold it.
     pub fn prepare_slices(self, target: Target<'a>, count: usize, reach_px: f64) -> Result<Prepared<'a>> {
-        self.of(Plan::with_slices(target, count, reach_px))
+        self.of(Plan::with_slices(target, count, reach_px)?)
     }
 
     /// Prepares radiance 1 on the surfaces inpainted behind the occluders of `relief`.
@@ -100,7 +101,7 @@ impl<'a> Backend<'a> {
 
     fn of(self, plan: (Plan<'a>, Vec<Layer>)) -> Result<Prepared<'a>> {
         Ok(match self {
-            Backend::Cpu => Prepared::Cpu(Box::new(CpuFilter::of(plan))),
+            Backend::Cpu => Prepared::Cpu(Box::new(CpuFilter::of(plan)?)),
             #[cfg(feature = "gpu")]
             Backend::Gpu(gpu) => Prepared::Gpu(Box::new(GpuFilter::of(gpu, plan)?)),
         })

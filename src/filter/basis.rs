@@ -11,6 +11,7 @@ use super::{Optics, Target};
 use crate::error::Result;
 use crate::geometry::Camera;
 use crate::image::{Image, Sampling, View};
+use crate::memory::{Reservation, product, reserve};
 use crate::spread::Dual;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -22,6 +23,9 @@ const MOST_DEPTHS: usize = 2;
 /// sides.
 const WIDEST: f64 = 8.0;
 
+/// Images of the object's size that a depth takes: its light, and those blurred on coarse grids.
+const PLANES: usize = 8;
+
 /// Columns of a strip that are copied together.
 const BLOCK: usize = 256;
 
@@ -32,24 +36,32 @@ pub struct Basis<'a> {
     mixture: GaussianMixture,
     /// The object's pixels at each depth, row-major.
     planes: Vec<Vec<f32>>,
+    _memory: Reservation,
 }
 
 impl<'a> Basis<'a> {
     /// The images of `target`; `None` if occluders, slopes or rays off the axis make its renders another sum than this, or
     /// many depths a long one.
-    pub fn new(target: Target<'a>) -> Option<Self> {
+    ///
+    /// # Errors
+    /// [`Error::Memory`](crate::Error::Memory).
+    pub fn new(target: Target<'a>) -> Result<Option<Self>> {
         let parallel = matches!(target.geometry.camera, Camera::Orthographic { .. });
         let free = target.relief.is_none_or(|relief| relief.is_flat());
         if !(parallel && free) {
-            return None;
+            return Ok(None);
         }
         let geometry = target.geometry;
         let pitch = geometry.median_pixel_pitch();
         let nodes: Vec<Node> = geometry.path_lengths().into_iter().map(|z| Node { z, pitch }).collect();
         let slices = Slices::new(0.0, &nodes, MOST_DEPTHS + 1);
         if slices.nodes.len() > MOST_DEPTHS {
-            return None;
+            return Ok(None);
         }
+        let (width, height) = (target.radiance.width, target.radiance.height);
+        let what = || format!("{width}x{height} px blurred by Gaussians");
+        let bytes = product(&[width * height, slices.nodes.len() * PLANES, size_of::<f32>()]);
+        let _memory = reserve(what, bytes)?;
         let mut planes = vec![vec![0.0; target.radiance.data.len()]; slices.nodes.len()];
         let mut latest = (0.0, Vec::new());
         for (i, light) in target.radiance.data.iter().enumerate() {
@@ -60,17 +72,23 @@ impl<'a> Basis<'a> {
             planes.iter_mut().zip(&latest.1).for_each(|(plane, weight)| plane[i] = *weight as f32 * light);
         }
         let side = target.radiance.width.max(target.radiance.height);
-        Some(Self {
+        Ok(Some(Self {
             target,
             slices,
             mixture: GaussianMixture::new(WIDEST * side as f64, target.sampling),
             planes,
-        })
+            _memory,
+        }))
     }
 
     /// Number of images.
     pub fn count(&self) -> usize {
         self.planes.len() * self.mixture.widths().len()
+    }
+
+    /// Pixels of each image.
+    pub fn pixels(&self) -> usize {
+        self.target.view.pixels()
     }
 
     /// The weight a_c of every image in a render.

@@ -8,6 +8,7 @@
 //! obliquities (`obliquity`).
 
 use super::canvas::Canvas;
+use super::demand::reserve_planes;
 use super::obliquity::Obliquity;
 use super::plan::{Coverage, Plan};
 use super::shift::Shift;
@@ -17,6 +18,7 @@ use super::sources::Layer;
 use super::{Optics, Target};
 use crate::error::Result;
 use crate::image::Image;
+use crate::memory::Reservation;
 use crate::spread::Model;
 
 /// An image over the target's view and, if asked for, its derivatives in sigma_s, sigma_a and B.
@@ -36,30 +38,35 @@ pub struct CpuFilter<'a> {
     canvas: Canvas,
     /// From near to far; all but the first lie behind an occluder.
     slabs: Vec<Slab>,
+    _memory: Reservation,
 }
 
 impl<'a> CpuFilter<'a> {
     /// Prepares `target` for kernels up to as wide as those of `optics`, times `headroom`.
     ///
     /// # Errors
-    /// As [`Optics::kernel`].
+    /// As [`Optics::kernel`], and [`Error::Memory`](crate::Error::Memory).
     pub fn new(target: Target<'a>, optics: &Optics, headroom: f64) -> Result<Self> {
-        Ok(Self::of(Plan::new(target, optics, headroom)?))
+        Self::of(Plan::new(target, optics, headroom)?)
     }
 
     /// Prepares `target` with at most `count` slices along z between any two occluders and padding for kernels that reach
     /// `reach_px` pixels.
-    pub fn with_slices(target: Target<'a>, count: usize, reach_px: f64) -> Self {
-        Self::of(Plan::with_slices(target, count, reach_px))
+    ///
+    /// # Errors
+    /// [`Error::Memory`](crate::Error::Memory).
+    pub fn with_slices(target: Target<'a>, count: usize, reach_px: f64) -> Result<Self> {
+        Self::of(Plan::with_slices(target, count, reach_px)?)
     }
 
-    pub(super) fn of((plan, layers): (Plan<'a>, Vec<Layer>)) -> Self {
+    pub(super) fn of((plan, layers): (Plan<'a>, Vec<Layer>)) -> Result<Self> {
         let canvas = Canvas::new(&plan.target, plan.reach_px);
+        let _memory = reserve_planes(&plan, &canvas, &layers)?;
         let slab = |(passed, slices): (usize, &Option<Slices>)| {
             Slab::new((&plan, &canvas), &layers, passed, slices.clone())
         };
         let slabs = plan.slices.iter().enumerate().map(slab).collect();
-        Self { canvas, slabs, plan }
+        Ok(Self { canvas, slabs, plan, _memory })
     }
 
     /// How far padding and slices serve the kernels of `optics` too.

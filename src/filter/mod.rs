@@ -27,6 +27,7 @@ mod canvas;
 #[doc(hidden)]
 pub mod composite_sum;
 pub mod cpu;
+mod demand;
 #[doc(hidden)]
 pub mod direct_sum;
 mod fft2;

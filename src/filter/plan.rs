@@ -3,7 +3,7 @@
 use super::canvas::most_reach;
 use super::obliquity::Obliquities;
 use super::slices::{Node, Slices};
-use super::sources::{Layer, hidden_layers, layers};
+use super::sources::{Layer, hidden_layers, layers, reserve_layers};
 use super::{Optics, Target};
 use crate::error::Result;
 use crate::image::Border;
@@ -47,6 +47,7 @@ pub(super) struct Plan<'a> {
 impl<'a> Plan<'a> {
     /// The plan of `target` for kernels up to as wide as those of `optics`, times `headroom`, and its sources.
     pub(super) fn new(target: Target<'a>, optics: &Optics, headroom: f64) -> Result<(Self, Vec<Layer>)> {
+        let _memory = reserve_layers(&target)?;
         Self::of_layers(target, layers(&target), optics, headroom)
     }
 
@@ -57,6 +58,7 @@ impl<'a> Plan<'a> {
         relief: &Relief,
         optics: &Optics,
     ) -> Result<(Self, Vec<Layer>)> {
+        let _memory = reserve_layers(&target)?;
         Self::of_layers(target, hidden_layers(&target, relief), optics, 1.0)
     }
 
@@ -75,11 +77,12 @@ impl<'a> Plan<'a> {
 
     /// The plan with at most `count` slices along z between any two occluders and padding for kernels that reach
     /// `reach_px` pixels, and its sources.
-    pub(super) fn with_slices(target: Target<'a>, count: usize, reach_px: f64) -> (Self, Vec<Layer>) {
+    pub(super) fn with_slices(target: Target<'a>, count: usize, reach_px: f64) -> Result<(Self, Vec<Layer>)> {
+        let _memory = reserve_layers(&target)?;
         let layers = layers(&target);
         let divergence = target.geometry.pitch_per_depth();
-        let slices = per_slab(&target, &layers, |nodes| Ok(Slices::new(divergence, nodes, count)));
-        (Self::with(target, slices.expect("a number of slices cannot fail"), reach_px), layers)
+        let slices = per_slab(&target, &layers, |nodes| Ok(Slices::new(divergence, nodes, count)))?;
+        Ok((Self::with(target, slices, reach_px), layers))
     }
 
     /// The same with `px` more of padding.

@@ -2,7 +2,9 @@
 
 use super::Target;
 use super::slices::Node;
+use crate::error::Result;
 use crate::geometry::Field;
+use crate::memory::{Reservation, product, reserve};
 use crate::relief::{Occluder, Relief};
 use rayon::prelude::*;
 
@@ -23,6 +25,17 @@ pub(super) struct Source {
 
 /// One source for every pixel of the object image, row-major; `None` where there is nothing.
 pub(super) type Layer = Vec<Option<Source>>;
+
+/// Reserves what finding the slices of `target` takes: the sources of all layers, and their nodes, sorted.
+pub(super) fn reserve_layers(target: &Target) -> Result<Reservation> {
+    let pixels = target.radiance.data.len();
+    let each = size_of::<Option<Source>>() * (1 + target.behind.len()) + 3 * size_of::<Node>();
+    let what = || {
+        let (width, height) = (target.radiance.width, target.radiance.height);
+        format!("the light of {width}x{height} px in {} layers", 1 + target.behind.len())
+    };
+    reserve(what, product(&[pixels, each]))
+}
 
 /// The object alone if every pixel's light spreads freely; with its relief, the further layers too. What is black is no source.
 pub(super) fn layers(target: &Target) -> Vec<Layer> {

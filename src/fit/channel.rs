@@ -38,7 +38,7 @@ pub fn fit_channel(
         let options = options.or_started_at(value);
         return fit_from(&Task { options: &options, ..task }, From::Images, None);
     }
-    let gram = if settings.gram { SceneModels::gram(&registered, &settings.engine()) } else { None };
+    let gram = if settings.gram { SceneModels::gram(&registered, &settings.engine())? } else { None };
     let mut best = fit_from(&task, From::Images, gram.as_ref())?;
     let automatic = settings.model.spreads() && options.is_unstarted();
     if automatic && best.by_gram.is_none() && is_doubtful(&best) && is_flat(observations) {

@@ -20,6 +20,7 @@ mod report;
 mod scenes;
 mod select;
 mod settings;
+mod slips;
 
 pub use channel::fit_channel;
 pub use design::{Advice, Plan, add_advice, advise, forecast};
@@ -41,3 +42,4 @@ pub use select::{
     SEQUENCE, filter_is_weak, free_camera, leave_out_tracing, select, trace_instead, tracing_seconds,
 };
 pub use settings::{Method, Settings};
+pub use slips::slips;

@@ -5,6 +5,7 @@ use super::interval::Intervals;
 use super::observation::{NoiseTerm, Observation, VeilTerm};
 use super::parameters::Parameters;
 use super::report::{Fit, Warning, Ways, suffix};
+use super::slips::slips;
 use super::{Settings, fit_channel};
 use crate::error::{Error, Result};
 use crate::filter::{Filter, Target};
@@ -145,6 +146,7 @@ pub fn fit_scenes(
         let cautions = seen.scene.cautions.iter().chain(&seen.observation.cautions);
         report.warnings.extend(cautions.map(Warning::from));
     }
+    report.warnings.extend(slips(scenes));
     Ok(SceneFit { channels, report })
 }
 

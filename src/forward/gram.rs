@@ -35,8 +35,11 @@ const MOST_ERROR: f64 = 1e-3;
 
 impl<'a> GramModel<'a> {
     /// The Gram matrix of `target` seen as `pixels`; `None` if its renders by `model` are no such combination.
-    pub fn new(model: Model, target: Target<'a>, pixels: &Pixels) -> Option<Self> {
-        let basis = Basis::new(target)?;
+    ///
+    /// # Errors
+    /// [`Error::Memory`](crate::Error::Memory).
+    pub fn new(model: Model, target: Target<'a>, pixels: &Pixels) -> Result<Option<Self>> {
+        let Some(basis) = Basis::new(target)? else { return Ok(None) };
         let images = basis.images();
         let size = basis.count() + 1 + pixels.veil_terms;
         let seen = Seen { values: pixels.values(), width: target.view.width, pixels };
@@ -48,7 +51,7 @@ impl<'a> GramModel<'a> {
             sums.iter_mut().zip(part).for_each(|(sum, v)| *sum += v);
         }
         let matrix = DMatrix::from_fn(size, size, |i, j| sums[i.max(j) * size + i.min(j)]);
-        Some(Self { model, basis, matrix, reference: pixels.reference })
+        Ok(Some(Self { model, basis, matrix, reference: pixels.reference }))
     }
 
     fn weights(&self, state: &State) -> Result<Vec<Dual>> {

@@ -47,6 +47,11 @@ pub const EDGE_PITCHES: f64 = 4.0;
 /// The farthest distance at which an object is taken to be there (contract: beyond, a pixel is empty).
 pub const FARTHEST: f64 = 1e9;
 
+/// The shortest path length that is computed with, and the shortest as a share of the longest of a scene: polynomials over
+/// all of them know no shorter one.
+const LEAST_PATH: f64 = 1e-15;
+const LEAST_SHARE: f64 = 1e-9;
+
 /// The largest number of 16-bit EXR files, which renderers write where they see nothing.
 pub const LARGEST_HALF: f64 = 65504.0;
 
@@ -177,23 +182,16 @@ impl Geometry {
     /// # Errors
     /// [`Error::OutOfRange`] that names the pixel; [`Error::NothingToFit`] if every pixel is empty.
     pub fn check(&self) -> Result<()> {
-        let mut any = false;
-        for y in 0..self.height {
-            for x in 0..self.width {
-                if let Some(z) = self.path_length(x, y) {
-                    any = true;
-                    let name = || format!("depth - surface at pixel ({x}, {y})");
-                    if !(z > 0.0 && z.is_finite()) {
-                        return Err(Error::OutOfRange {
-                            name: name(),
-                            value: z,
-                            allowed: "above 0: the object lies before the medium's surface",
-                        });
-                    }
-                }
-            }
+        let pixels = || (0..self.height).flat_map(|y| (0..self.width).map(move |x| (x, y)));
+        let shown = || pixels().filter_map(|(x, y)| Some((x, y, self.path_length(x, y)?)));
+        let longest = shown().map(|(_, _, z)| z).fold(0.0, f64::max);
+        let least = LEAST_PATH.max(LEAST_SHARE * longest);
+        for (x, y, z) in shown() {
+            let name = || format!("depth - surface at pixel ({x}, {y})");
+            in_range(&name(), z, z > 0.0, "above 0: the object lies before the medium's surface")?;
+            in_range(&name(), z, z >= least, "at least 1e-15 and a billionth of the longest of all pixels")?;
         }
-        if !any {
+        if shown().next().is_none() {
             return Err(Error::NothingToFit("no pixel of the depth map shows an object".into()));
         }
         (0..self.behind.len()).try_for_each(|i| self.check_behind(i))

@@ -4,6 +4,7 @@ pub mod atomic;
 pub mod colour;
 pub mod exr;
 pub mod identity;
+pub mod input;
 pub mod picture;
 pub mod png;
 pub mod temporary;

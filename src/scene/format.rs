@@ -1,8 +1,9 @@
 //! The keys of a scene file, as TOML tables. Unknown keys are refused by name.
 
+use super::place::of_byte;
 use super::source::Source;
 use super::value::{NoiseValue, TransferValue, array, number, refused};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::image::Border;
 use crate::imaging::VeilField;
 use serde::Deserialize;
@@ -34,7 +35,10 @@ pub(super) struct ObjectSection {
     pub radiance: Option<PathBuf>,
     pub reflectance: Option<PathBuf>,
     pub shading: Option<PathBuf>,
+    pub layer_name: Option<String>,
+    pub channels: Option<Vec<String>>,
     pub depth: NumberOrFile,
+    pub depth_channel: Option<String>,
     #[serde(default)]
     pub depth_kind: DepthKind,
     #[serde(default)]
@@ -56,6 +60,9 @@ pub(super) struct ObjectSection {
 pub(super) struct LayerSection {
     pub radiance: PathBuf,
     pub depth: NumberOrFile,
+    pub layer_name: Option<String>,
+    pub channels: Option<Vec<String>>,
+    pub depth_channel: Option<String>,
 }
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
@@ -77,6 +84,8 @@ pub(super) struct CameraSection {
 #[serde(deny_unknown_fields)]
 pub(super) struct ObservationSection {
     pub image: Option<PathBuf>,
+    pub layer_name: Option<String>,
+    pub channels: Option<Vec<String>>,
     /// Size of the view while there is no observed image to take it from.
     pub size_px: Option<[usize; 2]>,
     pub offset_px: Option<[usize; 2]>,
@@ -286,16 +295,16 @@ impl TryFrom<Value> for VeilValue {
     }
 }
 
-/// Reads the file at `source` as a `T`.
+/// The contents of `source` as a `T`.
 pub(super) fn parse<T: DeserializeOwned>(source: &Source) -> Result<T> {
-    let failed = |e: std::io::Error| Error::Read { path: source.path.to_path_buf(), reason: e.to_string() };
-    let text = std::fs::read_to_string(source.path).map_err(failed)?;
-    let table: toml::Table = text.parse().map_err(|e: toml::de::Error| {
-        let line = e.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
-        source.error(format!("line {line}: {}", e.message().trim()))
-    })?;
-    // Without the text, the error's own message names the table of the key; it may span several lines.
-    let worded =
-        |e: toml::de::Error| source.error(e.to_string().split_whitespace().collect::<Vec<_>>().join(" "));
-    Value::Table(table).try_into().map_err(worded)
+    let text = &source.text;
+    let read = |error: toml::de::Error| {
+        let place = error.span().map(|span| of_byte(text, span.start));
+        // Without the text, the error's own message names the table of the key.
+        let named =
+            text.parse::<toml::Table>().ok().and_then(|table| Value::Table(table).try_into::<T>().err());
+        let message = named.map_or_else(|| error.message().to_string(), |named| named.to_string());
+        source.error_at(place, &message.split_whitespace().collect::<Vec<_>>().join(" "))
+    };
+    toml::from_str(text).map_err(read)
 }

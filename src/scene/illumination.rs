@@ -1,7 +1,7 @@
 //! `[illumination]`, and the object that it lights.
 
 use super::format::{IlluminationSection, ObjectSection};
-use super::images::{ObjectImage, check_pixels, check_radiance, check_size};
+use super::images::{ObjectImage, as_the_object, check_pixels, check_radiance, check_size, pick};
 use super::light::LightReader;
 use super::medium::ChannelOf;
 use super::numbers::shares;
@@ -23,8 +23,9 @@ pub(super) fn read_reflectance(
         return Err(source.error("[[object.layer]] is given, but [object] reflectance has no layers"));
     }
     let path = source.resolve(named);
+    let pick = pick(source, "[object]", &section.layer_name, &section.channels)?;
     let light = LightReader::new(source, "[object]", section.transfer.as_ref())?.read_main(&path)?;
-    let channels = light.file.radiance()?;
+    let channels = light.file.picked_radiance(&pick)?;
     for channel in &channels {
         check_pixels(&path, channel, "between 0 and 1, a reflectance", |v| (0.0..=1.0).contains(&v))?;
     }
@@ -80,7 +81,8 @@ pub(super) fn read_illumination(
             let path = source.resolve(named);
             let names: Vec<&str> = scene.object.iter().map(|c| c.name.as_str()).collect();
             let reader = LightReader::new(source, "[illumination]", section.transfer.as_ref())?;
-            let channels = reader.read_main(&path)?.file.channels(&names)?;
+            let file = reader.read_main(&path)?.file;
+            let channels = file.channels(&names).map_err(|e| e.since(|| as_the_object(&names)))?;
             for channel in &channels {
                 let size = (scene.view.width, scene.view.height);
                 check_size(&path, &channel.image, size, "[illumination] image: the view")?;

@@ -4,10 +4,11 @@ use super::Caution;
 use super::format::{NumberOrFile, ObjectSection};
 use super::light::LightReader;
 use super::numbers::lengths;
-use super::source::Source;
+use super::source::{LARGEST, Source};
 use crate::error::{Error, Result};
 use crate::geometry::{Camera, FARTHEST, Field, Geometry};
 use crate::image::{Channel, Image};
+use crate::io::exr::Pick;
 use crate::io::picture::Picture;
 use std::path::{Path, PathBuf};
 
@@ -62,12 +63,14 @@ pub(super) fn read_radiance(source: &Source, section: &ObjectSection) -> Result<
         (Some(named), None) => named,
     };
     let path = source.resolve(named);
+    let pick = pick(source, "[object]", &section.layer_name, &section.channels)?;
     let light = LightReader::new(source, "[object]", section.transfer.as_ref())?.read_main(&path)?;
-    let channels = light.file.radiance()?;
+    let channels = light.file.picked_radiance(&pick)?;
     if section.noise.is_some() {
-        channels.iter().try_for_each(|channel| {
-            check_pixels(&path, channel, "finite, at most 1e30", |v| v.abs() <= 1e30)
-        })?;
+        let allowed = "finite, and at most 1e15; scale all images alike";
+        channels
+            .iter()
+            .try_for_each(|channel| check_pixels(&path, channel, allowed, |v| v.abs() <= LARGEST as f32))?;
     } else {
         check_radiance(&path, &channels)?;
     }
@@ -79,10 +82,32 @@ pub(super) fn read_radiance(source: &Source, section: &ObjectSection) -> Result<
     })
 }
 
+/// What `layer_name` and `channels` of this section say.
+pub(super) fn pick(
+    source: &Source,
+    section: &str,
+    layer: &Option<String>,
+    channels: &Option<Vec<String>>,
+) -> Result<Pick> {
+    if let Some(names) = channels
+        && !matches!(names.len(), 1 | 3)
+    {
+        return Err(source
+            .error(format!("{section} channels names {}: must be one, or three for R, G, B", names.len())));
+    }
+    Ok(Pick { layer: layer.clone(), channels: channels.clone() })
+}
+
+/// Why an image must have the channels `names`.
+pub(super) fn as_the_object(names: &[&str]) -> String {
+    format!("the object has {}", names.join(", "))
+}
+
 /// Refuses the first pixel that is not finite or negative.
 pub(super) fn check_radiance(path: &Path, channels: &[Channel]) -> Result<()> {
     channels.iter().try_for_each(|channel| {
-        check_pixels(path, channel, "at least 0 and at most 1e30", |v| (0.0..=1e30).contains(&v))
+        let ok = |v: f32| (0.0..=LARGEST as f32).contains(&v);
+        check_pixels(path, channel, "at least 0 and at most 1e15; scale all images alike", ok)
     })
 }
 
@@ -97,10 +122,13 @@ pub(super) struct Distance {
 pub(super) fn depth(
     source: &Source,
     key: &str,
-    (value, scale): (&NumberOrFile, Option<f64>),
+    (value, scale, channel): (&NumberOrFile, Option<f64>, Option<&str>),
     object: &Frame,
 ) -> Result<Distance> {
     match value {
+        NumberOrFile::Number(_) if channel.is_some() => {
+            Err(source.error(format!("{key}_channel is given, but the depth is a number")))
+        }
         NumberOrFile::Number(v) => {
             let ok = *v > 0.0 && *v <= FARTHEST;
             source.in_range(key, *v, ok, "above 0 and at most 1e9")?;
@@ -108,7 +136,9 @@ pub(super) fn depth(
         }
         NumberOrFile::File(named) => {
             let path = source.resolve(named);
-            let channel = lengths(source, &path, scale, |picture| picture.file.depth())?;
+            let channel = lengths(source, &path, scale, |picture| {
+                channel.map_or_else(|| picture.file.depth(), |name| picture.file.named(name))
+            })?;
             map(path, channel, object, "a distance (0 or infinite where there is no object)", |v| !v.is_nan())
         }
     }

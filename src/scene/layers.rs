@@ -1,7 +1,7 @@
 //! `[[object.layer]]`: known surfaces behind the object, nearest first.
 
 use super::format::{DepthKind, ObjectSection};
-use super::images::{ObjectImage, along_rays, check_radiance, depth};
+use super::images::{ObjectImage, along_rays, as_the_object, check_radiance, depth, pick};
 use super::light::LightReader;
 use super::source::Source;
 use crate::error::{Error, Result};
@@ -21,15 +21,19 @@ pub(super) fn read_layers(
     let reader = LightReader::new(source, "[object]", section.transfer.as_ref())?;
     for (i, layer) in section.layer.iter().enumerate() {
         let path = source.resolve(&layer.radiance);
-        let channels = reader.read(&path)?.file.channels(&names)?;
+        let section_name = format!("[[object.layer]] {}", i + 1);
+        let pick = pick(source, &section_name, &layer.layer_name, &layer.channels)?;
+        let file = reader.read(&path)?.file;
+        let channels = file.picked(&names, &pick).map_err(|e| e.since(|| as_the_object(&names)))?;
         for channel in &channels {
             object.frame().check(&path, &channel.image, "the object image")?;
         }
         check_radiance(&path, &channels)?;
         behind.iter_mut().zip(channels).for_each(|(images, channel)| images.push(channel.image));
 
-        let key = format!("[[object.layer]] {} depth", i + 1);
-        let depth = depth(source, &key, (&layer.depth, section.depth_scale), &object.frame())?;
+        let key = format!("{section_name} depth");
+        let named = layer.depth_channel.as_deref();
+        let depth = depth(source, &key, (&layer.depth, section.depth_scale, named), &object.frame())?;
         let distance = match section.depth_kind {
             DepthKind::Ray => depth.field,
             DepthKind::Planar => along_rays(geometry, &depth.field),

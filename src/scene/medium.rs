@@ -26,7 +26,7 @@ impl Scene {
         if let Some(v) = phase_parameter {
             in_range(&format!("--{}", family.parameter_name()), v, family.allows(v), family.allowed())?;
         }
-        let source = Source { path: &self.path };
+        let source = Source { path: &self.path, text: String::new() };
         let merge = |medium: &PartialMedium| {
             complete(
                 &source,
@@ -49,7 +49,7 @@ impl Scene {
 /// [`Error::Read`](crate::Error::Read) or [`Error::Scene`](crate::Error::Scene), naming file and key;
 /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a value that no medium has.
 pub fn read_truth(path: &Path) -> Result<Vec<Medium>> {
-    let source = Source { path };
+    let source = Source::read(path)?;
     let section = parse::<TruthFile>(&source)?.medium;
     let all = [section.sigma_s, section.sigma_a, section.b, section.spread_angle_deg, section.g];
     let channels = if all.iter().any(|n| matches!(n, Some(Numbers::Three(_)))) { 3 } else { 1 };

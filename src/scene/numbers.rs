@@ -11,7 +11,7 @@ pub(super) fn lengths(
     source: &Source,
     path: &Path,
     scale: Option<f64>,
-    select: fn(&Picture) -> Result<Channel>,
+    select: impl Fn(&Picture) -> Result<Channel>,
 ) -> Result<Channel> {
     let key = "[object] depth_scale";
     let scale = scale.map(|v| source.positive(key, v)).transpose()?;

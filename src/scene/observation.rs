@@ -2,11 +2,11 @@
 
 use super::camera::read_camera;
 use super::format::{NumberOrFree, ObservationSection, VeilValue};
-use super::images::{Frame, check_pixels, check_size};
+use super::images::{Frame, as_the_object, check_pixels, check_size, pick};
 use super::light::{Light, LightReader};
 use super::numbers::shares;
 use super::saturation::{ceiling, left_out};
-use super::source::Source;
+use super::source::{LARGEST, Source};
 use super::value::NoiseValue;
 use super::{Caution, CautionCode, Gain, HIDDEN_SHARE_MAX, Loss, Observation, Scene, Veil};
 use crate::error::{Error, Result};
@@ -107,7 +107,8 @@ pub(super) fn read_observation(
     let frame = Frame { path: &path, size: (scene.view.width, scene.view.height) };
 
     let Light { file, codes, caution } = observed?;
-    let mut image = file.channels(&names)?;
+    let pick = pick(source, "[observation]", &section.layer_name, &section.channels)?;
+    let mut image = file.picked(&names, &pick).map_err(|e| e.since(|| as_the_object(&names)))?;
     for channel in &image {
         check_size(&path, &channel.image, frame.size, "the view")?;
     }
@@ -116,9 +117,8 @@ pub(super) fn read_observation(
         image.iter_mut().for_each(|channel| blank(channel, mask));
     }
     for channel in &image {
-        check_pixels(&path, channel, "finite where the mask does not exclude it, at most 1e30", |v| {
-            v.abs() <= 1e30
-        })?;
+        let allowed = "finite where the mask does not exclude it, and at most 1e15; scale all images alike";
+        check_pixels(&path, channel, allowed, |v| v.abs() <= LARGEST as f32)?;
     }
     for channel in &image {
         let counted = |i: &usize| mask.as_ref().is_none_or(|m| m.data[*i] > 0.0);
@@ -256,13 +256,14 @@ fn read_veil(
     names: &[&str],
     (observed, mask): (&Frame, Option<&Image>),
 ) -> Result<Vec<Channel>> {
-    let mut veil = reader.read(&path)?.file.channels(names)?;
+    let file = reader.read(&path)?.file;
+    let mut veil = file.channels(names).map_err(|e| e.since(|| as_the_object(names)))?;
     for channel in &mut veil {
         observed.check(&path, &channel.image, "the observed image")?;
         if let Some(mask) = mask {
             blank(channel, mask);
         }
-        check_pixels(&path, channel, "finite", f32::is_finite)?;
+        check_pixels(&path, channel, "finite and at most 1e15", |v| v.abs() <= LARGEST as f32)?;
     }
     Ok(veil)
 }

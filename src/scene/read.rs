@@ -100,7 +100,7 @@ struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     fn open(path: &'a Path) -> Result<Self> {
-        let source = Source { path };
+        let source = Source::read(path)?;
         let file: SceneFile = parse(&source)?;
         let camera = camera(&source, &file.camera)?;
         Ok(Self { source, file, camera })
@@ -113,8 +113,9 @@ impl<'a> Reader<'a> {
         let medium = read_medium(source, self.file.medium.as_ref(), channels)?;
         let fit = read_fit(source, &self.file.fit, channels)?;
         let frame = object.frame();
-        let depth = depth(source, "[object] depth", (&section.depth, section.depth_scale), &frame)?;
-        let surface = surface(source, (&section.surface, section.depth_scale), &frame)?;
+        let (scale, named) = (section.depth_scale, section.depth_channel.as_deref());
+        let depth = depth(source, "[object] depth", (&section.depth, scale, named), &frame)?;
+        let surface = surface(source, (&section.surface, scale), &frame)?;
         let mut geometry = self.geometry(frame, depth, surface)?;
         let behind = read_layers(source, section, &object, &mut geometry)?;
         let depth_error = source.relative_error("[object] depth_error", section.depth_error)?;
@@ -157,8 +158,11 @@ impl<'a> Reader<'a> {
             geometry.depth = along_rays(&geometry, &geometry.depth);
             geometry.surface = along_rays(&geometry, &geometry.surface);
         }
-        let culprit = depth.path.or(surface.path).unwrap_or_else(|| self.source.path.to_path_buf());
-        geometry.check().map_err(|e| Error::Scene { path: culprit, message: e.to_string() })?;
+        let culprit = depth.path.or(surface.path);
+        geometry.check().map_err(|e| match culprit {
+            Some(path) => Error::Scene { path, message: e.to_string() },
+            None => self.source.error(format!("[object] depth: {e}")),
+        })?;
         Ok(geometry)
     }
 }

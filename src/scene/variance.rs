@@ -7,7 +7,7 @@
 //! estimate is replaced by the mean over the pixel's neighbours, which is independent of the pixel's own noise. Where few
 //! samples met light, even that mean is too small by chance; no pixel is trusted with less than a share of the mean variance of the image.
 
-use super::images::{Frame, check_pixels};
+use super::images::{Frame, as_the_object, check_pixels};
 use crate::error::{Error, Result};
 use crate::image::{Channel, Image};
 use crate::io::picture::Picture;
@@ -40,7 +40,7 @@ pub(super) fn read(
         names.iter().map(|name| file.named(&format!("{name}.variance"))).collect();
     let (mut variance, are_estimates) = match estimated {
         Ok(found) => (found, true),
-        Err(_) => (file.channels(names)?, false),
+        Err(_) => (file.channels(names).map_err(|e| e.since(|| as_the_object(names)))?, false),
     };
     for (channel, name) in variance.iter_mut().zip(names) {
         observed.check(path, &channel.image, "the observed image")?;

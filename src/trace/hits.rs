@@ -17,6 +17,7 @@ use super::scene::Tracer;
 use crate::error::{Result, in_range};
 use crate::image::{Image, View};
 use crate::medium::Medium;
+use crate::memory::{Reservation, product, reserve};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -53,6 +54,7 @@ pub struct Hits<P: Likelihood> {
     hits: Vec<Hit<P::Memory>>,
     /// Where the hits of each pixel's batches begin, batch by batch; one more for the end.
     starts: Vec<usize>,
+    _memory: Reservation,
 }
 
 /// A row of the image.
@@ -67,7 +69,8 @@ impl<P: Likelihood> Hits<P> {
     /// paths of each finished row, from any thread.
     ///
     /// # Errors
-    /// Those of [`trace_image`](super::trace_image), and [`Error::OutOfRange`](crate::Error::OutOfRange) unless sigma_s is above 0.
+    /// Those of [`trace_image`](super::trace_image), [`Error::OutOfRange`](crate::Error::OutOfRange) unless sigma_s is above 0, and
+    /// [`Error::Memory`](crate::Error::Memory).
     pub fn trace(config: &ImageConfig<P>, progress: &(dyn Fn(u64) + Sync)) -> Result<Self> {
         config.check()?;
         let (sigma_s, sigma_a) = (config.medium.sigma_s(), config.medium.sigma_a());
@@ -82,6 +85,11 @@ impl<P: Likelihood> Hits<P> {
         let (record, key) = (config.medium.phase().recorder(), Stream::key(config.seed));
         let each = u64::from(config.samples).div_ceil(BATCHES as u64);
         let samples = each * BATCHES as u64;
+        let paths = samples * view.pixels() as u64;
+        // Rows of hits, which grow to twice their length, and all of them together.
+        let bytes = product(&[paths as usize, 2 * size_of::<Hit<P::Memory>>()]);
+        let _memory =
+            reserve(|| format!("{paths} traced paths of {}x{} px", view.width, view.height), bytes)?;
         let row = |y: usize| -> Row<P::Memory> {
             let (mut hits, mut counts) = (Vec::new(), Vec::new());
             for x in 0..view.width {
@@ -120,7 +128,7 @@ impl<P: Likelihood> Hits<P> {
         let hits = rows.into_iter().flat_map(|row| row.hits).collect();
         let direct = |i: usize| direct(&tracer, view.x + i % view.width, view.y + i / view.width);
         let direct = (0..view.pixels()).into_par_iter().map(direct).collect();
-        Ok(Self { medium: config.medium, view, paths: samples * view.pixels() as u64, direct, hits, starts })
+        Ok(Self { medium: config.medium, view, paths, direct, hits, starts, _memory })
     }
 
     /// The medium that the paths were traced in.

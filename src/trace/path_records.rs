@@ -23,6 +23,7 @@ use super::path::{Path, free_path};
 use super::rng::Stream;
 use crate::error::{Result, in_range};
 use crate::medium::Medium;
+use crate::memory::{product, reserve};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -78,7 +79,7 @@ pub enum Scattered {
 ///
 /// # Errors
 /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless sigma_s z is finite and above 0, sigma_a z finite and at least 0, and
-/// `paths` between 1 and 2^32.
+/// `paths` between 1 and 2^32; [`Error::Memory`](crate::Error::Memory).
 pub fn trace_paths<P: Likelihood>(
     medium: Medium<P>,
     scattered: Scattered,
@@ -89,6 +90,9 @@ pub fn trace_paths<P: Likelihood>(
     in_range("sigma_s z", tau, tau.is_finite() && tau > 0.0, "finite and above 0")?;
     in_range("sigma_a z", absorption, absorption.is_finite() && absorption >= 0.0, "finite and at least 0")?;
     in_range("paths", paths as f64, (1..=1 << 32).contains(&paths), "between 1 and 2^32")?;
+    // Walkers, those that they are copied to, and of each the number it is copied from and its importance.
+    let each = 2 * size_of::<Walker<P::Memory>>() + size_of::<usize>() + size_of::<f64>();
+    let _memory = reserve(|| format!("{paths} traced paths"), product(&[paths as usize, each]))?;
     let walk = Walk { tau: tau as f32, absorption: absorption as f32, phase, record: phase.recorder() };
     let seeds = Stream::key(seed);
     let key = |stage: u64| Stream::key(seeds.wrapping_add(stage));

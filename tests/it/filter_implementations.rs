@@ -136,7 +136,7 @@ fn slices_against_error_fall_as_tabulated() {
         let optics = optics(Model::SmallAngle, &phase);
         let reference = per_depth::render(&target, &optics).unwrap();
         for (count, bound) in rows {
-            let filter = CpuFilter::with_slices(target, count, 250.0);
+            let filter = CpuFilter::with_slices(target, count, 250.0).unwrap();
             assert_eq!(filter.slice_count(), count);
             let error = relative_l2(pixels(&filter.render(&optics).unwrap()), reference.clone());
             println!("{name:22} {count:6}   {error:.1e}");

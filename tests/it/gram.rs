@@ -44,7 +44,7 @@ fn the_images_of_the_basis_add_up_to_renders() {
     let compare = |border: Border, model: Model, width_px: f64, tau: f64| -> [f64; 4] {
         let geometry = Geometry::planar(72, 60, z * b.sqrt() / width_px, z).unwrap();
         let target = Target::plain(&object, &geometry, border, view);
-        let basis = Basis::new(target).unwrap();
+        let basis = Basis::new(target).unwrap().unwrap();
         let optics = Optics { model, medium: Medium::new(tau / z, 0.1, phase.into()).unwrap() };
         let filter = CpuFilter::new(target, &optics, 1.0).unwrap();
         let render = filter.render_with_gradient(&optics).unwrap();

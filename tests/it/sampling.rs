@@ -60,7 +60,7 @@ fn a_wave_below_half_a_cycle_a_pixel_is_weakened_by_the_transfer_function() {
             let definition = relative_l2(per_depth::render(&target, &optics).unwrap(), expected());
             let cpu = render(&CpuFilter::new(target, &optics, 1.0).unwrap().render(&optics).unwrap());
             let device = render(&GpuFilter::new(gpu, target, &optics, 1.0).unwrap().render(&optics).unwrap());
-            let basis = Basis::new(target).unwrap();
+            let basis = Basis::new(target).unwrap().unwrap();
             let weights: Vec<f64> = basis.weights(&optics).unwrap().iter().map(|w| w.value).collect();
             let sums = render(&combination(&weights, &basis.all_images()));
             println!(

@@ -116,7 +116,7 @@ impl Scene {
     /// # Errors
     /// As [`Optics::kernel`].
     pub fn reference(&self) -> Result<Vec<f32>> {
-        let filter = CpuFilter::with_slices(self.target(), DEPTHS, self.reach_px(OUTSIDE[0]));
+        let filter = CpuFilter::with_slices(self.target(), DEPTHS, self.reach_px(OUTSIDE[0])).unwrap();
         Ok(filter.render(&self.optics())?.data)
     }
 

@@ -85,7 +85,7 @@ fn weights(depths: &Depths, pitch: f64, optics: &Optics, radius: usize) -> Resul
             view: View::whole(side, side),
             relief: None,
         };
-        let filter = CpuFilter::with_slices(target, 1, kernel.support(1e-6) / pitch);
+        let filter = CpuFilter::with_slices(target, 1, kernel.support(1e-6) / pitch).unwrap();
         let mut image: Vec<f64> = filter.render(optics)?.data.iter().map(|&v| f64::from(v)).collect();
         image[0] -= kernel.direct().value;
         let inside = |i: usize| (i % side).pow(2) + (i / side).pow(2) <= radius * radius;

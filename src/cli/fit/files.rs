@@ -65,12 +65,12 @@ pub(super) fn write(
             notes: fit.report.remarks().into_iter().chain([how_it_went(arguments, fit, chosen)]).collect(),
         };
         let share = || match &share {
-            Some(share) => exr::write(&file("hidden_share", "exr"), share, &provenance()),
+            Some(share) => exr::write_finite(&file("hidden_share", "exr"), share, &provenance()),
             None => Ok(()),
         };
         let tasks: [&(dyn Fn() -> crate::Result<()> + Sync); 8] = [
-            &|| exr::write(&file("render", "exr"), &render, &provenance()),
-            &|| exr::write(&file("residual", "exr"), &residual, &provenance()),
+            &|| exr::write_finite(&file("render", "exr"), &render, &provenance()),
+            &|| exr::write_finite(&file("residual", "exr"), &residual, &provenance()),
             &share,
             &|| png::write_picture(&file("object", "png"), &scene.object, clear),
             &|| png::write_picture(&file("observed", "png"), &observation.image, tone),

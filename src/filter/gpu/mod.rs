@@ -30,6 +30,7 @@ pub use tables::Record;
 
 use super::canvas::Canvas;
 use super::cpu::Rendering;
+use super::demand::reserve_planes;
 use super::plan::{Coverage, Plan};
 use super::shift::Shift;
 use super::sources::Layer;
@@ -37,6 +38,7 @@ use super::{Optics, Target};
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::image::Image;
+use crate::memory::Reservation;
 use moving::Moving;
 use render::Request;
 use resident::Resident;
@@ -55,6 +57,7 @@ pub struct GpuFilter<'a> {
     resident: Resident,
     /// What shifts take, from the first one on.
     moving: OnceCell<Moving>,
+    _memory: Option<Reservation>,
 }
 
 impl<'a> GpuFilter<'a> {
@@ -72,17 +75,20 @@ impl<'a> GpuFilter<'a> {
     /// # Errors
     /// [`Error::Gpu`](crate::Error::Gpu) if the device cannot hold it.
     pub fn with_slices(gpu: &'a Gpu, target: Target<'a>, count: usize, reach_px: f64) -> Result<Self> {
-        Self::of(gpu, Plan::with_slices(target, count, reach_px))
+        Self::of(gpu, Plan::with_slices(target, count, reach_px)?)
     }
 
     pub(super) fn of(gpu: &'a Gpu, (plan, layers): (Plan<'a>, Vec<Layer>)) -> Result<Self> {
         let canvas = Canvas::new(&plan.target, plan.reach_px);
+        // A software adapter lives in the machine's own memory.
+        let software = gpu.adapter().software;
+        let _memory = software.then(|| reserve_planes(&plan, &canvas, &layers)).transpose()?;
         let fft = FftPlan::new(gpu, canvas.fft.width, canvas.fft.height)?;
         let resident = Resident::new(gpu, &plan, &canvas, &layers)?;
         let slabs = (0..plan.slices.len())
             .map(|passed| Slab::new(gpu, (&plan, &layers), &canvas, &fft, &resident, passed))
             .collect::<Result<_>>()?;
-        Ok(Self { gpu, plan, canvas, fft, slabs, resident, moving: OnceCell::new() })
+        Ok(Self { gpu, plan, canvas, fft, slabs, resident, moving: OnceCell::new(), _memory })
     }
 
     /// The device.

@@ -63,13 +63,16 @@ impl<'a> SceneModels<'a> {
     }
 
     /// By Gram matrices, if every scene has one.
-    pub(crate) fn gram(observed: &[Observed<'a>], engine: &Engine<'a>) -> Option<Self> {
-        let model = |observed: &Observed<'a>| -> Option<Box<dyn ForwardModel + 'a>> {
+    pub(crate) fn gram(observed: &[Observed<'a>], engine: &Engine<'a>) -> Result<Option<Self>> {
+        let mut models: Vec<Box<dyn ForwardModel + 'a>> = Vec::new();
+        for observed in observed {
             let target = observed.observation.target;
-            Some(Box::new(GramModel::new(engine.model, target, observed.pixels())?))
-        };
-        let scenes = observed.iter().map(model).collect::<Option<_>>()?;
-        Some(Self { model: engine.model, scenes })
+            match GramModel::new(engine.model, target, observed.pixels())? {
+                Some(model) => models.push(Box::new(model)),
+                None => return Ok(None),
+            }
+        }
+        Ok(Some(Self { model: engine.model, scenes: models }))
     }
 
     /// The spread model of all.

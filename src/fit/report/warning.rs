@@ -64,6 +64,14 @@ pub enum WarningCode {
     Transfer,
     /// The clear image is saturated.
     Saturation,
+    /// Lengths are hardly in one unit.
+    Units,
+    /// The observation is brighter or darker than the clear image allows.
+    Brightness,
+    /// The observation is sharper than the clear image.
+    SwappedImages,
+    /// The observation is like the clear image flipped.
+    FlippedImage,
 }
 
 impl WarningCode {
@@ -92,6 +100,10 @@ impl WarningCode {
             Self::OutsideValidity => "outside_validity",
             Self::Transfer => "transfer",
             Self::Saturation => "saturation",
+            Self::Units => "units",
+            Self::Brightness => "brightness",
+            Self::SwappedImages => "swapped_images",
+            Self::FlippedImage => "flipped_image",
         }
     }
 }

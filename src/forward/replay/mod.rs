@@ -206,7 +206,7 @@ fn trace_in<'a, P: Likelihood + 'static>(
 ) -> Result<Box<dyn Paths + 'a>> {
     // The golden ratio's fraction: whoever counts seeds does not meet another scene's.
     let seed = tracing.seed.wrapping_add(scene.wrapping_mul(0x9e37_79b9_7f4a_7c15));
-    if let Some(plane) = Plane::of(target) {
+    if let Some(plane) = Plane::of(target)? {
         return Ok(Box::new(plane.traced(*medium, tracing.count(PLANE_PATHS), seed)?));
     }
     if target.sampling == Sampling::Bandlimited {

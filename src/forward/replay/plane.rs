@@ -13,6 +13,7 @@ use crate::forward::Rendering;
 use crate::geometry::Camera;
 use crate::image::Image;
 use crate::medium::Medium;
+use crate::memory::{Reservation, product, reserve};
 use crate::relief::Relief;
 use crate::spread::Dual;
 use crate::trace::{
@@ -36,14 +37,14 @@ pub(super) struct Plane<'a> {
 
 impl<'a> Plane<'a> {
     /// The plane that `target` is; `None` if it is none.
-    pub(super) fn of(target: Target<'a>) -> Option<Self> {
+    pub(super) fn of(target: Target<'a>) -> Result<Option<Self>> {
         let parallel = matches!(target.geometry.camera, Camera::Orthographic { .. });
         if !(parallel && Relief::new(target.geometry).is_flat()) {
-            return None;
+            return Ok(None);
         }
-        let basis = Basis::new(Target { relief: None, ..target })?;
-        let [node] = *basis.nodes() else { return None };
-        Some(Self { basis, node })
+        let Some(basis) = Basis::new(Target { relief: None, ..target })? else { return Ok(None) };
+        let [node] = *basis.nodes() else { return Ok(None) };
+        Ok(Some(Self { basis, node }))
     }
 
     /// The plane with `paths` paths traced in `medium`.
@@ -55,6 +56,11 @@ impl<'a> Plane<'a> {
     ) -> Result<TracedPlane<'a, P>> {
         let scaled = in_depths(&medium, self.node.z)?;
         let edges = edges();
+        let recorded = size_of::<PathRecord<P::Memory>>() + size_of::<u16>();
+        // Images are computed in strips, which are then put together.
+        let images = product(&[2, self.basis.count(), self.basis.pixels(), size_of::<f32>()]);
+        let bytes = product(&[paths as usize, recorded]).saturating_add(images);
+        let _memory = reserve(|| format!("{paths} traced paths of a plane"), bytes)?;
         let each = paths.div_ceil(BATCHES as u64);
         let batch = |i: u64| {
             let records = trace_paths(
@@ -71,6 +77,7 @@ impl<'a> Plane<'a> {
             batches: (0..BATCHES as u64).map(batch).collect::<Result<_>>()?,
             edges,
             plane: self,
+            _memory,
         })
     }
 }
@@ -92,6 +99,7 @@ pub(super) struct TracedPlane<'a, P: Likelihood> {
     images: Vec<Image>,
     edges: Vec<f64>,
     batches: Vec<Batch<P>>,
+    _memory: Reservation,
 }
 
 impl<P: Likelihood> TracedPlane<'_, P> {

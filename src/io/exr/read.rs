@@ -1,28 +1,17 @@
 //! Decoding an EXR file, whole, into f32 channels.
 
+use super::damage::{believes_chunks, check_chunk, check_header, promise};
 use crate::error::{Error, Result};
 use crate::image::{Channel, Image};
+use crate::io::input;
+use crate::memory;
 use ::exr::image::FlatSamples;
 use ::exr::image::read::image::ReadLayers;
 use ::exr::image::read::layers::ReadChannels;
 use ::exr::meta::MetaData;
-use ::exr::meta::header::Header;
 use std::io::Cursor;
 use std::panic::{UnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
-
-/// A part larger than this (16384 x 16384 px) is taken to be a damaged header.
-const MAX_PIXELS: usize = 1 << 28;
-
-/// No compression of EXR shrinks its data more than this; deflate, the strongest, reaches 1032. A file that
-/// promises more is damaged, and believing it could exhaust the memory.
-const MAX_COMPRESSION: usize = 2000;
-
-/// Deviation of pixelAspectRatio from 1 up to which pixels are square.
-const SQUARE: f32 = 1e-3;
-
-/// Size of the largest image that is believed whatever the length of its file, bytes.
-const SMALL_BYTES: usize = 1 << 22;
 
 /// All channels of an EXR file.
 #[derive(Debug, Clone)]
@@ -49,10 +38,12 @@ impl ExrFile {
     /// # Errors
     /// [`Error::Read`] with the path if the file cannot be opened, or is truncated, damaged, deep or subsampled.
     pub fn read(path: &Path) -> Result<Self> {
-        let failed = |reason: String| Error::Read { path: path.to_path_buf(), reason };
-        let bytes = std::fs::read(path).map_err(|e| failed(e.to_string()))?;
-        let channels = guarded(|| decode(&bytes)).map_err(failed)?;
-        Ok(Self { path: path.to_path_buf(), all: channels })
+        let bytes = input::read(path, u64::MAX)?;
+        let all = guarded(|| decode(&bytes)).map_err(|refusal| match refusal {
+            Refusal::Damaged(reason) => Error::Read { path: path.to_path_buf(), reason },
+            Refusal::TooLarge(error) => input::in_file(error, path),
+        })?;
+        Ok(Self { path: path.to_path_buf(), all })
     }
 }
 
@@ -62,17 +53,29 @@ impl ExrFile {
 /// [`Error::Read`] with the path if the file cannot be opened or its header is damaged.
 pub fn size(path: &Path) -> Result<(usize, usize)> {
     let failed = |reason: String| Error::Read { path: path.to_path_buf(), reason };
-    let file = std::fs::File::open(path).map_err(|e| failed(e.to_string()))?;
+    let file = input::open(path)?;
     let meta = guarded(|| MetaData::read_from_unbuffered(&file, false).map_err(reason)).map_err(failed)?;
     let header = meta.headers.first().ok_or_else(|| failed("it has no image".into()))?;
     Ok((header.layer_size.0, header.layer_size.1))
 }
 
 /// Runs the decoder. Damaged bytes are not known to make it panic; if they ever do, it is still the file's fault.
-fn guarded<T>(
-    decode: impl FnOnce() -> std::result::Result<T, String> + UnwindSafe,
-) -> std::result::Result<T, String> {
-    catch_unwind(decode).unwrap_or_else(|_| Err("the decoder gave up on it".into()))
+fn guarded<T, E: From<String>>(
+    decode: impl FnOnce() -> std::result::Result<T, E> + UnwindSafe,
+) -> std::result::Result<T, E> {
+    catch_unwind(decode).unwrap_or_else(|_| Err("the decoder gave up on it".to_string().into()))
+}
+
+/// Why a file is not decoded.
+enum Refusal {
+    Damaged(String),
+    TooLarge(Error),
+}
+
+impl From<String> for Refusal {
+    fn from(reason: String) -> Self {
+        Self::Damaged(reason)
+    }
 }
 
 /// What the decoder's error means to the file's owner.
@@ -83,15 +86,24 @@ fn reason(error: ::exr::error::Error) -> String {
     }
 }
 
-fn decode(bytes: &[u8]) -> std::result::Result<Vec<Channel>, String> {
-    let chunks = ::exr::block::read(Cursor::new(bytes), false).map_err(reason)?;
-    for header in chunks.headers() {
-        check_header(header, bytes.len())?;
+fn decode(bytes: &[u8]) -> std::result::Result<Vec<Channel>, Refusal> {
+    let chunks = || ::exr::block::read(Cursor::new(bytes), false).map_err(reason);
+    let image = chunks()?;
+    let headers = image.headers();
+    let mut needed = bytes.len() as u64;
+    for header in headers {
+        needed = needed.saturating_add(check_header(header, bytes.len())?);
+    }
+    let _held = memory::reserve(|| promise(headers), needed).map_err(Refusal::TooLarge)?;
+    if headers.iter().any(believes_chunks) {
+        for chunk in chunks()?.all_chunks(false).map_err(reason)? {
+            check_chunk(headers, &chunk.map_err(reason)?)?;
+        }
     }
     // One thread: a panic in another one could not be caught, and the images are small.
     let layers = ::exr::image::read::read().no_deep_data().largest_resolution_level();
     let reader = layers.all_channels().all_layers().all_attributes().non_parallel();
-    let image = reader.from_chunks(chunks).map_err(reason)?;
+    let image = reader.from_chunks(image).map_err(reason)?;
     let several = image.layer_data.len() > 1;
     let mut channels = Vec::new();
     for layer in image.layer_data {
@@ -112,49 +124,6 @@ fn full_name(part: Option<&str>, channel: &str) -> String {
         Some(part) if !channel.starts_with(&format!("{part}.")) => format!("{part}.{channel}"),
         _ => channel.to_string(),
     }
-}
-
-fn check_header(header: &Header, file_bytes: usize) -> std::result::Result<(), String> {
-    let (width, height) = (header.layer_size.0, header.layer_size.1);
-    if header.deep {
-        return Err("deep images are not supported".into());
-    }
-    if header.channels.list.iter().any(|c| (c.sampling.0, c.sampling.1) != (1, 1)) {
-        return Err("subsampled channels are not supported".into());
-    }
-    check_windows(header)?;
-    let pixels = width.checked_mul(height).filter(|&n| n <= MAX_PIXELS);
-    let bytes = pixels.and_then(|n| n.checked_mul(header.channels.bytes_per_pixel));
-    let limit = file_bytes.saturating_mul(MAX_COMPRESSION).max(SMALL_BYTES);
-    match bytes {
-        Some(n) if n <= limit => Ok(()),
-        _ => Err(format!("its header promises {width}x{height} px, which the file cannot hold")),
-    }
-}
-
-/// Refuses pixels that are not square, and images that are a part of the picture that they belong to: where they lie in it is not
-/// looked at.
-fn check_windows(header: &Header) -> std::result::Result<(), String> {
-    let aspect = header.shared_attributes.pixel_aspect;
-    if (aspect - 1.0).abs() > SQUARE {
-        return Err(format!("its pixelAspectRatio is {aspect}; resample it to square pixels"));
-    }
-    let (display, position) = (header.shared_attributes.display_window, header.own_attributes.layer_position);
-    if (position, header.layer_size) != (display.position, display.size) {
-        return Err(format!(
-            "its data window, {}x{} px at ({}, {}), is not its display window, {}x{} px at ({}, {}); save the whole picture, or \
-             crop it so that both are the same",
-            header.layer_size.0,
-            header.layer_size.1,
-            position.0,
-            position.1,
-            display.size.0,
-            display.size.1,
-            display.position.0,
-            display.position.1
-        ));
-    }
-    Ok(())
 }
 
 fn to_f32(samples: FlatSamples) -> Vec<f32> {

@@ -1,11 +1,11 @@
-//! Which channel of a file is meant.
+//! Which channels of a file are meant.
 //!
-//! Radiance: `Y`, else `R`, `G`, `B`, else those names behind one layer prefix (`Combined.R`). Depth: `Z`, else
-//! `Y`, else a channel of a layer named depth (`depth.T`, `ViewLayer.Depth.Z`), else `*.Z` of a layer that is not
-//! a vector. Mask and surface: `Y`, else `Z`, else the only channel. Layers that also have an `X` are vectors
-//! (normals, positions) and never taken. Other channels (`A`, `Y.variance`) are ignored.
+//! Radiance: `Y`, else `R`, `G`, `B`, else those names behind one layer prefix (`Combined.R`). Mask and surface: `Y`, else `Z`,
+//! else the only channel. Layers that also have an `X` are vectors (normals, positions) and never taken. Other channels (`A`,
+//! `Y.variance`) are ignored. Where several layers would serve, none is taken: a [`Pick`] says which.
 
 use super::ExrFile;
+use super::depth::is_depth_layer;
 use crate::error::{Error, Result};
 use crate::image::Channel;
 
@@ -14,37 +14,81 @@ const RGB: [&str; 3] = ["R", "G", "B"];
 /// The layer in which Blender puts the picture itself, chosen where several layers hold R, G, B.
 const MAIN_LAYER: &str = "Combined";
 
+/// What the user says about which channels are meant; nothing by default.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Pick {
+    /// Prefix of their names.
+    pub layer: Option<String>,
+    /// Their names behind it: one, or three for R, G, B.
+    pub channels: Option<Vec<String>>,
+}
+
 impl ExrFile {
     /// Radiance: one channel `Y`, or three, `R`, `G`, `B`, in this order and under these names.
     ///
     /// # Errors
-    /// [`Error::MissingChannel`] with the names present.
+    /// [`Error::MissingChannel`] with the names present; [`Error::Ambiguous`] if several layers hold them.
     pub fn radiance(&self) -> Result<Vec<Channel>> {
-        let plain = self.under("", &["Y"]).or_else(|| self.under("", &RGB));
-        let layered = || self.in_layer(&RGB).or_else(|| self.in_layer(&["Y"]));
-        plain.or_else(layered).ok_or_else(|| {
-            self.missing("Y, nor R, G and B of one layer that is the only one, or the only main one")
-        })
+        self.picked_radiance(&Pick::default())
     }
 
-    /// Exactly the channels `names`, such as those of another image, bare or behind one layer prefix.
+    /// The same of what is picked.
     ///
     /// # Errors
-    /// [`Error::MissingChannel`] with the names present.
+    /// As [`radiance`](Self::radiance).
+    pub fn picked_radiance(&self, pick: &Pick) -> Result<Vec<Channel>> {
+        match &pick.channels {
+            Some(picked) if picked.len() == 1 => self.picked(&["Y"], pick),
+            Some(_) => self.picked(&RGB, pick),
+            None => {
+                let file = self.within(pick)?;
+                let plain = file.under("", &["Y"]).or_else(|| file.under("", &RGB));
+                let found = match plain {
+                    Some(plain) => Some(plain),
+                    None => match file.in_layer(&RGB)? {
+                        Some(layered) => Some(layered),
+                        None => file.in_layer(&["Y"])?,
+                    },
+                };
+                found.ok_or_else(|| self.missing("Y, nor R, G and B"))
+            }
+        }
+    }
+
+    /// The channels `names`, such as those of another image, bare or behind one layer prefix; if channels are picked, those, under
+    /// these names.
+    ///
+    /// # Errors
+    /// As [`radiance`](Self::radiance).
+    pub fn picked(&self, names: &[&str], pick: &Pick) -> Result<Vec<Channel>> {
+        let file = self.within(pick)?;
+        let Some(picked) = &pick.channels else {
+            let found = match file.under("", names) {
+                Some(found) => Some(found),
+                None => file.in_layer(names)?,
+            };
+            return found.ok_or_else(|| self.missing(&names.join(", ")));
+        };
+        if picked.len() != names.len() {
+            return Err(self.missing(&format!(
+                "for each of {}: channels picks {}",
+                names.join(", "),
+                picked.join(", ")
+            )));
+        }
+        let channel = |(name, picked): (&&str, &String)| {
+            let found = file.named(picked).map_err(|_| self.missing(picked))?;
+            Ok(Channel { name: name.to_string(), ..found })
+        };
+        names.iter().zip(picked).map(channel).collect()
+    }
+
+    /// Exactly the channels `names`, bare or behind one layer prefix.
+    ///
+    /// # Errors
+    /// As [`radiance`](Self::radiance).
     pub fn channels(&self, names: &[&str]) -> Result<Vec<Channel>> {
-        let found = self.under("", names).or_else(|| self.in_layer(names));
-        found.ok_or_else(|| self.missing(&names.join(", ")))
-    }
-
-    /// Distance, planar or along the ray.
-    ///
-    /// # Errors
-    /// [`Error::MissingChannel`] with the names present.
-    pub fn depth(&self) -> Result<Channel> {
-        let by_layer = || self.all.iter().find(|c| in_depth_layer(&c.name));
-        let by_suffix = || self.all.iter().find(|c| c.name.ends_with(".Z") && !self.is_vector(&c.name));
-        let found = self.find("Z").or_else(|| self.find("Y")).or_else(by_layer).or_else(by_suffix);
-        found.cloned().ok_or_else(|| self.missing("Z, Y, depth.* or *.Z"))
+        self.picked(names, &Pick::default())
     }
 
     /// The only channel of interest: a mask, or the surface of the medium.
@@ -65,8 +109,23 @@ impl ExrFile {
         self.find(name).cloned().ok_or_else(|| self.missing(name))
     }
 
-    fn find(&self, name: &str) -> Option<&Channel> {
+    pub(super) fn find(&self, name: &str) -> Option<&Channel> {
         self.all.iter().find(|c| c.name == name)
+    }
+
+    /// The channels behind the picked prefix, without it.
+    fn within(&self, pick: &Pick) -> Result<Self> {
+        let Some(layer) = &pick.layer else { return Ok(self.clone()) };
+        let prefix = format!("{layer}.");
+        let strip = |c: &Channel| {
+            let name = c.name.strip_prefix(&prefix)?.to_string();
+            Some(Channel { name, image: c.image.clone() })
+        };
+        let all: Vec<Channel> = self.all.iter().filter_map(strip).collect();
+        if all.is_empty() {
+            return Err(self.missing(&format!("of the layer {layer}")));
+        }
+        Ok(Self { path: self.path.clone(), all })
     }
 
     /// All of `names` behind `prefix`, renamed without it.
@@ -79,38 +138,40 @@ impl ExrFile {
     }
 
     /// All of `names` in the one layer that has them, or in the main one of several.
-    fn in_layer(&self, names: &[&str]) -> Option<Vec<Channel>> {
+    fn in_layer(&self, names: &[&str]) -> Result<Option<Vec<Channel>>> {
         let suffix = format!(".{}", names[0]);
         let layers: Vec<&str> = self
             .all
             .iter()
             .filter_map(|c| c.name.strip_suffix(&suffix))
             .filter(|layer| names[1..].iter().all(|n| self.find(&format!("{layer}.{n}")).is_some()))
-            .filter(|layer| {
-                !self.is_vector(&format!("{layer}{suffix}")) && !in_depth_layer(&format!("{layer}."))
-            })
+            .filter(|layer| !self.is_vector(&format!("{layer}{suffix}")) && !is_depth_layer(layer))
             .collect();
-        let mut main = layers.iter().filter(|layer| layer.rsplit('.').next() == Some(MAIN_LAYER));
-        // Of several main layers none is meant more than the others.
-        let layer =
-            if layers.len() == 1 { layers.first() } else { main.next().filter(|_| main.next().is_none()) };
-        layer.and_then(|layer| self.under(&format!("{layer}."), names))
+        let is_main = |layer: &&&str| layer.rsplit('.').next() == Some(MAIN_LAYER);
+        let main: Vec<&str> = layers.iter().filter(is_main).copied().collect();
+        let meant = if main.is_empty() { &layers } else { &main };
+        match meant[..] {
+            [] => Ok(None),
+            [layer] => Ok(self.under(&format!("{layer}."), names)),
+            // Of several none is meant more than the others.
+            _ => Err(self.ambiguous(&names.join(", "), meant, "layer_name")),
+        }
     }
 
     /// Whether the layer of channel `name` also holds an `X`.
-    fn is_vector(&self, name: &str) -> bool {
+    pub(super) fn is_vector(&self, name: &str) -> bool {
         name.rsplit_once('.').is_some_and(|(layer, _)| self.find(&format!("{layer}.X")).is_some())
     }
 
-    fn missing(&self, wanted: &str) -> Error {
+    pub(super) fn missing(&self, wanted: &str) -> Error {
         let names: Vec<&str> = self.all.iter().map(|c| c.name.as_str()).collect();
         Error::MissingChannel { path: self.path.clone(), wanted: wanted.into(), found: names.join(", ") }
     }
-}
 
-/// Whether the channel's last layer is named `depth`, in any case.
-fn in_depth_layer(name: &str) -> bool {
-    name.rsplit('.').nth(1).is_some_and(|layer| layer.eq_ignore_ascii_case("depth"))
+    pub(super) fn ambiguous(&self, wanted: &str, among: &[&str], key: &'static str) -> Error {
+        let (path, wanted, among) = (self.path.clone(), wanted.into(), among.join(", "));
+        Error::Ambiguous { path, wanted, among, key }
+    }
 }
 
 #[cfg(test)]
@@ -157,13 +218,34 @@ mod tests {
     }
 
     #[test]
-    fn depth_is_found_under_the_names_that_renderers_give_it() {
-        let depth = |names: &[&str]| file(names).depth().map(|c| c.name).ok();
-        for name in ["Z", "Y", "depth.T", "depth.Y", "ViewLayer.Depth.Z", "ViewLayer.Depth.V", "mist.Z"] {
-            assert_eq!(depth(&["B", "G", "R", name]).as_deref(), Some(name));
+    fn a_picked_layer_or_channel_is_taken() {
+        let views =
+            ["Clear.Combined", "Fog.Combined"].map(|view| ["B", "G", "R"].map(|c| format!("{view}.{c}")));
+        let views: Vec<&str> = views.iter().flatten().map(String::as_str).collect();
+        let values = |pick: &Pick| {
+            let channels = file(&views).picked_radiance(pick)?;
+            Ok::<_, Error>(channels.iter().map(|c| (c.name.clone(), c.image.at(0, 0))).collect::<Vec<_>>())
+        };
+        let pick = |layer: Option<&str>, channels: Option<&[&str]>| Pick {
+            layer: layer.map(str::to_string),
+            channels: channels.map(|names| names.iter().map(|name| name.to_string()).collect()),
+        };
+        assert_eq!(values(&pick(Some("Fog"), None)).ok(), rgb([5.0, 4.0, 3.0]));
+        assert_eq!(values(&pick(Some("Clear.Combined"), Some(&["R", "G", "B"]))).ok(), rgb([2.0, 1.0, 0.0]));
+        assert_eq!(values(&pick(None, Some(&["Fog.Combined.G"]))).ok(), Some(vec![("Y".into(), 4.0)]));
+        let message = values(&pick(None, None)).unwrap_err().to_string();
+        assert_eq!(
+            message,
+            "a.exr: several layers hold R, G, B: Clear.Combined, Fog.Combined; say which by the key layer_name"
+        );
+        for (pick, words) in [
+            (pick(Some("Mist"), None), "no channel of the layer Mist"),
+            (pick(None, Some(&["Fog.Y"])), "no channel Fog.Y"),
+            (pick(Some("Fog"), Some(&["Combined.R", "Combined.G"])), "channels picks Combined.R, Combined.G"),
+        ] {
+            let message = values(&pick).unwrap_err().to_string();
+            assert!(message.contains(words), "{message}");
         }
-        assert_eq!(depth(&["v.Normal.X", "v.Normal.Y", "v.Normal.Z"]), None);
-        assert_eq!(depth(&["B", "G", "R"]), None);
     }
 
     #[test]
@@ -175,9 +257,6 @@ mod tests {
     #[test]
     fn a_missing_channel_is_reported_with_those_present() {
         let message = file(&["B", "G"]).radiance().unwrap_err().to_string();
-        assert_eq!(
-            message,
-            "a.exr: has no channel Y, nor R, G and B of one layer that is the only one, or the only main one; it holds B, G"
-        );
+        assert_eq!(message, "a.exr: has no channel Y, nor R, G and B; it holds B, G");
     }
 }

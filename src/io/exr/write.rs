@@ -1,6 +1,6 @@
 //! Writing f32 channels with a record of how they were made.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, shown};
 use crate::image::Channel;
 use crate::io::atomic;
 use ::exr::image::write::WritableImage;
@@ -24,6 +24,31 @@ pub fn write(path: &Path, channels: &[Channel], provenance: &[(String, String)])
     let failed = |e: ::exr::error::Error| Error::Write { path: path.to_path_buf(), source: to_io(e) };
     let bytes = encode(channels, provenance).map_err(failed)?;
     atomic::write(path, &bytes)
+}
+
+/// Writes `channels` as [`write()`] does, if all of their pixels are finite.
+///
+/// # Errors
+/// As [`write()`], and [`Error::NotFinite`] that names the pixel which is not.
+///
+/// # Panics
+/// As [`write()`].
+pub fn write_finite(path: &Path, channels: &[Channel], provenance: &[(String, String)]) -> Result<()> {
+    channels.iter().try_for_each(|channel| check_finite(path, channel))?;
+    write(path, channels, provenance)
+}
+
+fn check_finite(path: &Path, Channel { name, image }: &Channel) -> Result<()> {
+    match image.data.iter().position(|v| !v.is_finite()) {
+        None => Ok(()),
+        Some(i) => {
+            let (x, y, value) = (i % image.width, i / image.width, image.data[i]);
+            let path = shown(path);
+            Err(Error::NotFinite(format!(
+                "{path}: not written: channel {name}, pixel ({x}, {y}) would be {value}"
+            )))
+        }
+    }
 }
 
 fn encode(

@@ -24,10 +24,11 @@ pub use opened::Embedded;
 pub use write::{OUTPUTS, is_output, write};
 
 use super::exr::{self, ExrFile};
+use super::input;
 use crate::error::{Error, Result};
 use crate::image::{Channel, Image};
+use crate::memory;
 use opened::{Header, Numbers, Opened};
-use std::fs::File;
 use std::io::Read;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -39,6 +40,8 @@ pub type ImageFile = ExrFile;
 const MAX_PIXELS: usize = 1 << 28;
 /// No compression of these formats shrinks its data more than this; deflate reaches 1032. A file that promises more is damaged.
 const MAX_COMPRESSION: usize = 2000;
+/// Bytes that a number takes while it is decoded: as it is in the file, as f32, and as f32 of a channel.
+const DECODED_BYTES: usize = 16;
 /// First bytes by which formats are told apart.
 const START_BYTES: u64 = 32;
 /// Size of the largest image that is believed whatever the length of its file, bytes.
@@ -80,7 +83,14 @@ impl Picture {
         let Some(format) = other_format(path)? else {
             return Ok(Self { file: ExrFile::read(path)?, codes: None });
         };
-        let bytes = std::fs::read(path).map_err(|e| failed(path, e.to_string()))?;
+        let bytes = input::read(path, u64::MAX)?;
+        let header = guarded(|| Ok(open(format, &bytes)?.header)).map_err(|e| of_format(path, format, &e))?;
+        let (width, height) = header.size;
+        let held = memory::reserve(
+            || format!("its image of {width}x{height} px"),
+            memory::product(&[width, height, header.samples, DECODED_BYTES]),
+        );
+        let _held = held.map_err(|e| input::in_file(e, path))?;
         let (channels, codes) =
             guarded(|| decode(format, &bytes)).map_err(|e| of_format(path, format, &e))?;
         Ok(Self { file: ImageFile::with_channels(path, channels), codes })
@@ -111,7 +121,7 @@ fn of_format(path: &Path, format: Format, reason: &str) -> Error {
 /// The format of the file `path`, if it is none that the reader of EXR files is to judge.
 fn other_format(path: &Path) -> Result<Option<Format>> {
     let mut start = Vec::new();
-    let file = File::open(path).map_err(|e| failed(path, e.to_string()))?;
+    let file = input::open(path)?;
     file.take(START_BYTES).read_to_end(&mut start).map_err(|e| failed(path, e.to_string()))?;
     let format = Format::of_bytes(&start).map_err(|reason| failed(path, reason))?;
     Ok(format.filter(|format| *format != Format::Exr))
@@ -123,7 +133,7 @@ fn other_format(path: &Path) -> Result<Option<Format>> {
 /// [`Error::Read`] as [`Picture::read`].
 pub fn size(path: &Path) -> Result<(usize, usize)> {
     let Some(format) = other_format(path)? else { return exr::size(path) };
-    let bytes = std::fs::read(path).map_err(|e| failed(path, e.to_string()))?;
+    let bytes = input::read(path, u64::MAX)?;
     guarded(|| Ok(open(format, &bytes)?.header.upright_size())).map_err(|e| of_format(path, format, &e))
 }
 

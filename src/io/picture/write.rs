@@ -28,7 +28,7 @@ pub fn write(path: &Path, channels: &[Channel], provenance: &[(String, String)])
     assert!(matches!(channels.len(), 1 | 3), "one channel or three");
     let failed = |source: io::Error| Error::Write { path: path.to_path_buf(), source };
     let bytes = match Format::of_name(path) {
-        Some(Format::Exr) => return exr::write(path, channels, provenance),
+        Some(Format::Exr) => return exr::write_finite(path, channels, provenance),
         Some(Format::Png) => return png::write_picture(path, channels, Tone::of(channels)),
         Some(Format::Tiff) => tiff_write::encode(channels).map_err(failed)?,
         Some(Format::Pfm) => pfm::encode(channels),

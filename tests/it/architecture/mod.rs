@@ -12,6 +12,7 @@ use std::collections::BTreeSet;
 /// What each layer may import, from the bottom up.
 const LAYERS: &[Rule] = &[
     ("error", ""),
+    ("memory", "error"),
     ("chebyshev", ""),
     ("quadrature", ""),
     ("image", ""),
@@ -20,16 +21,16 @@ const LAYERS: &[Rule] = &[
     ("medium", "error phase"),
     ("geometry", "error image"),
     ("relief", "image geometry"),
-    ("io", "error image"),
+    ("io", "error memory image"),
     ("gpu", "error"),
     ("plots", "error image io"),
     ("spread", "error chebyshev quadrature phase medium"),
-    ("trace", "error chebyshev image phase medium geometry"),
+    ("trace", "error memory chebyshev image phase medium geometry"),
     ("illumination", "error quadrature image phase medium geometry relief"),
     ("scene", "error image imaging phase medium geometry io illumination"),
-    ("filter", "error chebyshev quadrature image imaging phase medium geometry relief gpu spread"),
+    ("filter", "error memory chebyshev quadrature image imaging phase medium geometry relief gpu spread"),
     ("synthesis", "error image medium spread illumination scene filter"),
-    ("forward", "error quadrature image imaging phase medium geometry relief spread trace filter"),
+    ("forward", "error memory quadrature image imaging phase medium geometry relief spread trace filter"),
     ("fit", "error image imaging phase medium geometry relief spread scene filter forward"),
     (
         "lab",
@@ -37,7 +38,7 @@ const LAYERS: &[Rule] = &[
     ),
     (
         "cli",
-        "error image phase medium geometry io gpu plots spread trace scene filter synthesis forward fit lab",
+        "error memory image phase medium geometry io gpu plots spread trace scene filter synthesis forward fit lab",
     ),
     ("main", "cli"),
 ];
@@ -62,7 +63,8 @@ const ROOMS: &[Rule] = &[
     ("channel", "settings observation optimise inference"),
     ("interval", "settings parameters observation inference channel"),
     ("report", "settings parameters inference channel"),
-    ("scenes", "settings parameters observation inference channel interval report"),
+    ("slips", "report"),
+    ("scenes", "settings parameters observation inference channel interval report slips"),
     ("select", "settings parameters observation optimise inference report scenes"),
     ("design", "settings parameters observation inference report scenes select"),
 ];

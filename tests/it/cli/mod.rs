@@ -4,6 +4,7 @@ mod bad_input;
 mod chart;
 mod documents;
 mod fit;
+mod hostile;
 #[cfg(unix)]
 mod killed;
 mod phase;
@@ -18,4 +19,4 @@ mod table;
 mod threads;
 #[cfg(unix)]
 mod whole;
-mod workshop;
+pub(crate) mod workshop;

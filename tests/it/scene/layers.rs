@@ -95,9 +95,13 @@ fn keys_of_a_layer_are_checked() {
         ("behind.exr", "none.exr", &["none.exr: cannot be read"]),
         ("behind_depth.exr", "none.exr", &["none.exr: cannot be read"]),
         ("\"behind_depth.exr\"", "true", &["object.layer", "true"]),
-        ("\"behind_depth.exr\"", "0", &["scene.toml: [[object.layer]] 1 depth = 0", "above 0"]),
-        ("\"behind_depth.exr\"", "-3.0", &["scene.toml: [[object.layer]] 1 depth = -3"]),
-        ("\"behind_depth.exr\"", "nan", &["scene.toml: [[object.layer]] 1 depth = NaN"]),
+        (
+            "\"behind_depth.exr\"",
+            "0",
+            &["scene.toml: line 4, column 1: [[object.layer]] 1 depth = 0", "above 0"],
+        ),
+        ("\"behind_depth.exr\"", "-3.0", &["scene.toml: line 4, column 1: [[object.layer]] 1 depth = -3"]),
+        ("\"behind_depth.exr\"", "nan", &["scene.toml: line 4, column 1: [[object.layer]] 1 depth = NaN"]),
         ("\"behind_depth.exr\"", "1.5", &["scene.toml: [[object.layer]] 1: depth at pixel (0, 0) = 1.5"]),
     ] {
         folder.refuses(&layered(&LAYER.replacen(from, to, 1)), words);

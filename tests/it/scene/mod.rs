@@ -1,7 +1,7 @@
 //! Scene files: what is refused, and how the rest is understood.
 
 mod bad_input;
-mod folder;
+pub(crate) mod folder;
 mod layers;
 mod phase;
 mod rules;
