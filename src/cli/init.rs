@@ -129,7 +129,6 @@ fn text(arguments: &Arguments, is_photograph: &[bool]) -> Result<String> {
          radiance = {clear}\n\
          {of_clear}\
          depth = {depth:?}          # length of the light's way through the medium\n\
-         border = \"clamp\"          # what lies outside the clear image: about what its edge shows\n\
          # noise = {{ read = 0.001, shot = 0.004 }}   # of the clear image, if it is known\n\
          \n\
          [camera]\n\
@@ -138,9 +137,11 @@ fn text(arguments: &Arguments, is_photograph: &[bool]) -> Result<String> {
          [observation]\n\
          image = {turbid}\n\
          {of_turbid}\
-         registration = \"shift\"     # the camera may have moved by a few pixels\n\
+         registration = \"auto\"      # the camera may have moved, turned or come nearer\n\
          gain = \"free\"              # exposure over that of the clear image; a number, if it is known, determines sigma_a\n\
-         veil = \"free\"              # light that the medium scatters in; 0.0 if the water is dark\n",
+         veil = \"auto\"              # light that the medium scatters in, as far as the image asks for it; 0.0 if the water is dark\n\
+         blur_px = \"auto\"           # how much less sharp it is than the clear image, the medium aside\n\
+         gain_field = \"auto\"        # how its brightness falls off towards the corners, over that of the clear image\n",
         clear = file(&arguments.clear),
         of_clear = transfer(is_photograph[0]),
         depth = arguments.depth,

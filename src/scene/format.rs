@@ -45,8 +45,7 @@ pub(super) struct ObjectSection {
     pub depth_error: f64,
     #[serde(default)]
     pub surface: NumberOrFile,
-    #[serde(default)]
-    pub border: Border,
+    pub border: Option<Border>,
     pub sampling: Option<String>,
     pub transfer: Option<TransferValue>,
     pub noise: Option<NoiseValue>,

@@ -121,6 +121,8 @@ impl<'a> Reader<'a> {
         let depth_error = source.relative_error("[object] depth_error", section.depth_error)?;
         let view = view(source, self.file.observation.as_ref(), frame.size)?;
         let (sampling, sampling_is_known) = read_sampling(source, section.sampling.as_deref(), &object)?;
+        // A photograph shows no black around itself.
+        let ends_with_the_frame = object.is_photograph && (view.width, view.height) == frame.size;
         let noise = section.noise.as_ref().map(|noise| {
             let names: Vec<&str> = object.channels.iter().map(|c| c.name.as_str()).collect();
             noise.read(source, "[object] noise", &names, (&frame, None))
@@ -134,7 +136,11 @@ impl<'a> Reader<'a> {
             behind,
             geometry,
             depth_error,
-            border: section.border,
+            border: section.border.unwrap_or(if ends_with_the_frame {
+                Border::Unknown
+            } else {
+                Border::Zero
+            }),
             sampling,
             sampling_is_known,
             view,
