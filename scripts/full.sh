@@ -6,5 +6,5 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 # Fits that are killed at 200 random moments.
 cargo test --release --locked --test it cli::killed:: -- --ignored --nocapture
 
-# A million damaged inputs and a thousand damaged command lines.
+# A million damaged files and 2500 random command lines.
 NARROWBEAM_FUZZ="${NARROWBEAM_FUZZ:-500000}" cargo test --release --locked --test it fuzz:: -- --nocapture

@@ -17,16 +17,19 @@ const SHARPER: f64 = 1.5;
 const MORE_ALIKE: f64 = 0.2;
 const ALIKE: f64 = 0.4;
 
+/// Finds one kind of slip, in words.
+type Rule = fn(&ObservedScene) -> Option<String>;
+
 /// The cautions that `scenes` deserve.
 pub fn slips(scenes: &[ObservedScene]) -> Vec<Warning> {
-    let rules: [(WarningCode, fn(&ObservedScene) -> Option<String>); 4] = [
+    let rules: [(WarningCode, Rule); 4] = [
         (WarningCode::Units, |seen| seen.scene.unit_slip()),
         (WarningCode::Brightness, brightness),
         (WarningCode::SwappedImages, swapped),
         (WarningCode::FlippedImage, flipped),
     ];
     let of_scene = |seen: &ObservedScene| {
-        let warning = |&(code, rule): &(WarningCode, fn(&ObservedScene) -> Option<String>)| {
+        let warning = |&(code, rule): &(WarningCode, Rule)| {
             let message = rule(seen)?;
             let name = seen.scene.path.display();
             let message = if scenes.len() == 1 { message } else { format!("{name}: {message}") };

@@ -5,7 +5,8 @@ use toml::de::{DeTable, DeValue};
 
 /// Line and column, counted from 1, of the byte `at` of `text`.
 pub(super) fn of_byte(text: &str, at: usize) -> [usize; 2] {
-    let before = &text[..text.floor_char_boundary(at)];
+    let at = (0..=at.min(text.len())).rev().find(|&at| text.is_char_boundary(at)).unwrap_or(0);
+    let before = &text[..at];
     let line = before.rfind('\n').map_or(0, |end| end + 1);
     [before.matches('\n').count() + 1, before[line..].chars().count() + 1]
 }

@@ -1,8 +1,8 @@
 //! Seeded random damage of everything that users give: scene files, EXR images, the command line. Nothing may panic, abort or hang,
 //! and every refusal is one line that blames the input.
 //!
-//! `NARROWBEAM_FUZZ=500000 cargo test --release --test it fuzz:: -- --nocapture` tries so many inputs of each class (a thousandth
-//! of them as processes). An input is made from its number alone, so a number found by a long run is tried again by itself:
+//! `NARROWBEAM_FUZZ=500000 cargo test --release --test it fuzz:: -- --nocapture` tries so many files of each class (for every 200th
+//! one command line, each a process). An input is made from its number alone, so a number found by a long run is tried again by itself:
 //! `NARROWBEAM_FUZZ_FROM=NUMBER NARROWBEAM_FUZZ=1`. What was found stays in fuzz/corpus, from which inputs begin.
 
 mod mutate;
