@@ -1,15 +1,19 @@
 //! The fit of one channel of any number of scenes.
 
 use super::Settings;
-use super::inference::{ChannelFit, LACKING, infer};
+use super::inference::{ChannelFit, LACKING, Status, infer};
 use super::observation::{Aligned, Observation, Observed};
 use super::optimise::{Begun, Driver, From, OTHER_WIDTHS, SceneModels, Task};
 use crate::error::Result;
+use crate::forward::Quantity;
 use crate::relief::Relief;
-use crate::scene::FitOptions;
+use crate::scene::{FitOptions, Gain, ParameterOptions};
 
 /// Reduced chi² above which a fit is said not to describe the image: half as much misfit as noise.
 pub(super) const MISFIT: f64 = 1.5;
+
+/// Optical depth of absorption that is believed of an image that does not determine it: it bends the kernel by less than 1 % of B.
+const BELIEVED: f64 = 0.5;
 
 /// Fits one channel's medium to `observations`; all scenes share it. `progress` is called after every render.
 ///
@@ -21,7 +25,30 @@ pub(super) const MISFIT: f64 = 1.5;
 /// [`NothingToFit`](crate::Error::NothingToFit) if no pixel counts or every parameter is fixed,
 /// [`OutOfRange`](crate::Error::OutOfRange) for contradictory options, [`NotFinite`](crate::Error::NotFinite) if a render is not
 /// finite, those of [`Model::range`](crate::spread::Model::range).
+///
+/// Where no exposure is known and the image leaves sigma_a undetermined, any value describes it nearly as well, and the best one may lie
+/// anywhere. A large one still bends the kernel and takes the others with it, so it is held to [`BELIEVED`] then.
 pub fn fit_channel(
+    observations: &[Observation],
+    options: &FitOptions,
+    settings: &Settings,
+    progress: &dyn Fn(),
+) -> Result<ChannelFit> {
+    let fit = fit_within(observations, options, settings, progress)?;
+    let most = BELIEVED / fit.median_z;
+    let sigma_a = fit.parameters.id(Quantity::SigmaA);
+    let is_open = observations.iter().all(|o| o.gain == Gain::Free)
+        && options.sigma_a == ParameterOptions::default()
+        && fit.covariance.status(sigma_a) == Status::Undetermined;
+    if !is_open || fit.parameters.get(sigma_a).value() <= most {
+        return Ok(fit);
+    }
+    let sigma_a = ParameterOptions { bounds: Some([0.0, most]), ..options.sigma_a };
+    fit_within(observations, &FitOptions { sigma_a, ..*options }, settings, progress)
+}
+
+/// The same, whatever becomes of sigma_a.
+fn fit_within(
     observations: &[Observation],
     options: &FitOptions,
     settings: &Settings,

@@ -230,3 +230,23 @@ fn a_veil_that_slopes_is_taken_off_by_gram_matrices_as_by_renders() {
         assert!(off < 0.05, "{name}: {off}");
     }
 }
+
+#[test]
+fn a_whole_photograph_gives_its_medium_and_its_camera() {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/photograph/scene.toml");
+    let found = fit(ObservedScene::read(&data).unwrap());
+    let exposure = &found.report.exposures[0];
+    let registration = exposure.registration.as_ref().expect("registered");
+    println!("{:?}: {registration:?}", set(&found));
+    assert!((registration.shift_px[0] - 0.25).abs() < 0.02 && (registration.shift_px[1] - 0.6).abs() < 0.02);
+    assert!(
+        (registration.scale.unwrap() - 1.003).abs() < 2e-4 && registration.rotation_deg.unwrap().abs() < 0.01
+    );
+    assert!(exposure.outside_pixels > 0);
+    let off = |name: &str, truth: f64| found.report.parameters[name].value.unwrap() / truth - 1.0;
+    println!("{:+.3}, {:+.3}", off("sigma_s", 0.8), off("b", TRUTH[2].1));
+    assert!(off("sigma_s", 0.8).abs() < 0.02 && off("b", TRUTH[2].1).abs() < 0.03);
+    // The exposure is not known, so neither is the absorption.
+    assert_eq!(found.report.parameters["sigma_a"].status, Status::Undetermined);
+    assert!(found.report.warnings.iter().all(|w| w.severity < narrowbeam::fit::Severity::Invalid));
+}

@@ -19,6 +19,9 @@ const FEWEST_LAPLACIANS: i32 = 100;
 
 /// Noises by which light from outside the clear image may change a pixel that counts.
 const SHOWN: f64 = 0.5;
+/// Share of the pixels that stay, those that see the least of such light, whatever the noise shows: where kernels are as wide as the
+/// view, all of it sees some, and the error of the extrapolation is stated.
+const KEPT: f64 = 0.25;
 /// Bounds of the share of such light.
 const OUTSIDE_SHARES: [f64; 2] = [0.002, 0.1];
 
@@ -140,7 +143,8 @@ impl<'a> Observed<'a> {
     /// # Errors
     /// [`Error::NothingToFit`] if no pixel is left.
     pub(crate) fn leave_out(&mut self, unseen: &Unseen) -> Result<bool> {
-        let (most, most_outside) = (self.observation.hidden_share_max, self.visible_share());
+        let most = self.observation.hidden_share_max;
+        let most_outside = self.visible_share().max(unseen.outside.as_ref().map_or(0.0, least_share));
         let above = |share: &Option<Image>, most: f64, i: usize| {
             share.as_ref().is_some_and(|share| f64::from(share.data[i]) > most)
         };
@@ -266,6 +270,13 @@ impl<'a> Observed<'a> {
         let spread = |a, b| (products.of(a, b) - products.of(a, &one) * products.of(b, &one) / n) * w;
         Levels { mm: spread(&render, &render), my: spread(&render, &y), yy: spread(&y, &y) }
     }
+}
+
+/// The share that the pixels of [`KEPT`] do not exceed, which see the least.
+fn least_share(outside: &Image) -> f64 {
+    let mut shares = outside.data.clone();
+    let last = ((KEPT * shares.len() as f64) as usize).min(shares.len() - 1);
+    f64::from(*shares.select_nth_unstable_by(last, f32::total_cmp).1)
 }
 
 /// Products of a render m and an observation y.

@@ -56,7 +56,7 @@ pub fn free_camera(
     mut fit: impl FnMut(&[ObservedScene]) -> Result<SceneFit>,
     mut probe: impl FnMut(&[ObservedScene]) -> Result<SceneFit>,
 ) -> Result<SceneFit> {
-    let open: Vec<Open> = scenes.iter().map(|scene| Open::of(&scene.observation)).collect();
+    let mut open: Vec<Open> = scenes.iter().map(|scene| Open::of(&scene.observation)).collect();
     let mut found = fit(scenes)?;
     if !open.iter().any(|open| open.any()) {
         return Ok(found);
@@ -65,18 +65,27 @@ pub fn free_camera(
     if !steps.is_empty() {
         found = probed(&mut steps, scenes, &mut probe)?;
     }
-    while steps.len() < MOST_STEPS {
-        let Some(step) = asked(&found, scenes, &open) else { break };
-        steps.push(step);
-        found = probed(&mut steps, scenes, &mut probe)?;
+    loop {
+        let before = steps.len();
+        while steps.len() < MOST_STEPS
+            && let Some(step) = asked(&found, scenes, &open)
+        {
+            steps.push(step);
+            found = probed(&mut steps, scenes, &mut probe)?;
+        }
+        if steps.is_empty() {
+            return Ok(found);
+        }
+        // The last fit, by the model that is taken, may see more.
+        if steps.len() > before || before > 0 {
+            steps.extend(taken_back(&found, scenes, &mut open));
+            found = fit(scenes)?;
+        }
+        if steps.len() == before || steps.len() >= MOST_STEPS {
+            found.report.camera = steps;
+            return Ok(found);
+        }
     }
-    if steps.is_empty() {
-        return Ok(found);
-    }
-    steps.extend(taken_back(&found, scenes, &open));
-    let mut found = fit(scenes)?;
-    found.report.camera = steps;
-    Ok(found)
 }
 
 /// A fit after a step, whose outcome the last of `steps` gets.
@@ -169,7 +178,7 @@ fn freed(cause: Cause, observation: &mut Observation, open: Open) -> Option<Stri
 }
 
 /// Takes back what was freed and came out as nothing in every channel.
-fn taken_back(fit: &SceneFit, scenes: &mut [ObservedScene], open: &[Open]) -> Vec<CameraStep> {
+fn taken_back(fit: &SceneFit, scenes: &mut [ObservedScene], open: &mut [Open]) -> Vec<CameraStep> {
     let mut steps = Vec::new();
     for (i, scene) in scenes.iter_mut().enumerate() {
         let observation = &mut scene.observation;
@@ -183,14 +192,14 @@ fn taken_back(fit: &SceneFit, scenes: &mut [ObservedScene], open: &[Open]) -> Ve
             })
         };
         if open[i].blur && observation.blur.least() == Blur::Free && is_nothing(&[Quantity::Blur]) {
-            observation.blur = Choice::Is(Blur::default());
+            (observation.blur, open[i].blur) = (Choice::Is(Blur::default()), false);
             steps.push(CameraStep::new(i, "blur_px = 0".into(), Cause::Blur, None));
         }
         if open[i].gain_field
             && observation.gain_field.least() == GainField::Radial
             && is_nothing(&[Quantity::GainRadial])
         {
-            observation.gain_field = Choice::Is(GainField::None);
+            (observation.gain_field, open[i].gain_field) = (Choice::Is(GainField::None), false);
             steps.push(CameraStep::new(i, "gain_field = \"none\"".into(), Cause::GainField, None));
         }
     }

@@ -1,4 +1,4 @@
-//! Seeded random damage of everything that users give: scene files, EXR images, the command line. Nothing may panic, abort or hang,
+//! Seeded random damage of everything that users give: scene files, images, the command line. Nothing may panic, abort or hang,
 //! and every refusal is one line that blames the input.
 //!
 //! `NARROWBEAM_FUZZ=500000 cargo test --release --test it fuzz:: -- --nocapture` tries so many files of each class (for every 200th
@@ -7,10 +7,13 @@
 
 mod mutate;
 
+use crate::photographs::made::{jpeg_with_exif, tiff16};
 use crate::scene::folder::{Folder, SCENE};
 use mutate::{Random, damaged_bytes, damaged_text};
 use narrowbeam::Error;
+use narrowbeam::image::{Channel, Image};
 use narrowbeam::io::exr::{ExrFile, size};
+use narrowbeam::io::picture::{self, Picture};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -96,6 +99,40 @@ fn damaged_exr_files() {
         let _ = size(&path);
         let file = ExrFile::read(&path)?;
         file.depth().and(file.single()).and(file.radiance()).map(|_| ())
+    });
+}
+
+/// One small image in each format that cameras and editors write.
+fn pictures() -> Vec<Vec<u8>> {
+    let dir = tempfile::tempdir().unwrap();
+    let channel = |name: &str, shift: usize| Channel {
+        name: name.into(),
+        image: Image::from_fn(7, 5, |x, y| ((3 * x + 5 * y + shift) % 11) as f32 / 11.0),
+    };
+    let colours = [channel("R", 0), channel("G", 4), channel("B", 7)];
+    let written = |(i, name): (usize, &str)| {
+        let path = dir.path().join(name);
+        picture::write(&path, if i % 2 == 0 { &colours[..] } else { &colours[..1] }, &[]).unwrap();
+        std::fs::read(path).unwrap()
+    };
+    let names = ["a.png", "b.png", "c.tif", "d.tif", "e.hdr", "f.pfm", "g.pfm"];
+    let codes: Vec<u16> = (0..35).map(|i| 1000 * i).collect();
+    let jpeg = jpeg_with_exif(8, 8, |x, y| (20 * x + 7 * y) as u8, 6);
+    let made = [tiff16(7, 5, 1, &codes), jpeg];
+    names.into_iter().enumerate().map(written).chain(made).collect()
+}
+
+#[test]
+fn damaged_pictures() {
+    let files = pictures();
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("damaged");
+    tried("pictures", |number| {
+        let mut random = Random::new(number);
+        replace(&path, &damaged_bytes(&mut random, &files));
+        let _ = picture::size(&path);
+        let read = Picture::read(&path)?;
+        read.single().map(|_| ()).or_else(|_| read.file.radiance().map(|_| ()))
     });
 }
 

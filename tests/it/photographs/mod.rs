@@ -3,6 +3,6 @@
 mod cases;
 mod files;
 mod init;
-mod made;
+pub(crate) mod made;
 mod noise;
 mod scenes;
