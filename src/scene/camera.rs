@@ -1,7 +1,8 @@
 //! What `[observation]` says of its camera: registration, blur, gain field.
 
-use super::format::{BlurValue, ObservationSection};
+use super::format::ObservationSection;
 use super::source::Source;
+use super::value::BlurValue;
 use crate::error::Result;
 use crate::imaging::{Blur, Choice, GainField, Registration};
 

@@ -2,10 +2,9 @@
 
 use super::place::of_byte;
 use super::source::Source;
-use super::value::{NoiseValue, TransferValue, array, number, refused};
+use super::value::{BlurValue, NoiseValue, TransferValue, VeilValue, array, number, refused};
 use crate::error::Result;
 use crate::image::Border;
-use crate::imaging::VeilField;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::path::PathBuf;
@@ -183,24 +182,6 @@ pub(super) enum NumberOrFree {
     Free,
 }
 
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(try_from = "Value")]
-pub(super) enum VeilValue {
-    Number(f64),
-    File(PathBuf),
-    Free,
-    Field(VeilField),
-    Auto,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(try_from = "Value")]
-pub(super) enum BlurValue {
-    Number(f64),
-    Free,
-    Auto,
-}
-
 impl Default for NumberOrFile {
     fn default() -> Self {
         Self::Number(0.0)
@@ -210,12 +191,6 @@ impl Default for NumberOrFile {
 impl Default for NumberOrFree {
     fn default() -> Self {
         Self::Number(1.0)
-    }
-}
-
-impl Default for VeilValue {
-    fn default() -> Self {
-        Self::Number(0.0)
     }
 }
 
@@ -258,38 +233,6 @@ impl TryFrom<Value> for NumberOrFree {
             (Some(v), _) => Ok(Self::Number(v)),
             (_, Some("free")) => Ok(Self::Free),
             _ => refused(&value, "a number, nor \"free\""),
-        }
-    }
-}
-
-impl TryFrom<Value> for BlurValue {
-    type Error = String;
-
-    fn try_from(value: Value) -> std::result::Result<Self, String> {
-        match (number(&value), value.as_str()) {
-            (Some(v), _) => Ok(Self::Number(v)),
-            (_, Some("free")) => Ok(Self::Free),
-            (_, Some("auto")) => Ok(Self::Auto),
-            _ => refused(&value, "a number, nor \"free\" or \"auto\""),
-        }
-    }
-}
-
-impl TryFrom<Value> for VeilValue {
-    type Error = String;
-
-    fn try_from(value: Value) -> std::result::Result<Self, String> {
-        match (number(&value), value.as_str()) {
-            (Some(v), _) => Ok(Self::Number(v)),
-            (_, Some("free")) => Ok(Self::Free),
-            (_, Some("auto")) => Ok(Self::Auto),
-            (_, Some("linear")) => Ok(Self::Field(VeilField::Linear)),
-            (_, Some("quadratic")) => Ok(Self::Field(VeilField::Quadratic)),
-            (_, Some(path)) => Ok(Self::File(path.into())),
-            _ => refused(
-                &value,
-                "a number, nor the name of an image file, nor \"free\", \"linear\", \"quadratic\" or \"auto\"",
-            ),
         }
     }
 }

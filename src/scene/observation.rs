@@ -1,13 +1,13 @@
 //! `[observation]`: which part of the object is seen, and the image of it.
 
 use super::camera::read_camera;
-use super::format::{NumberOrFree, ObservationSection, VeilValue};
+use super::format::{NumberOrFree, ObservationSection};
 use super::images::{Frame, as_the_object, check_pixels, check_size, pick};
 use super::light::{Light, LightReader};
 use super::numbers::shares;
 use super::saturation::{ceiling, left_out};
 use super::source::{LARGEST, Source};
-use super::value::NoiseValue;
+use super::value::{NoiseValue, VeilValue};
 use super::{Caution, CautionCode, Gain, HIDDEN_SHARE_MAX, Loss, Observation, Scene, Veil};
 use crate::error::{Error, Result};
 use crate::image::{Channel, Image, Sampling, View};

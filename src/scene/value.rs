@@ -1,5 +1,6 @@
 //! Values of keys that may be of several kinds.
 
+use crate::imaging::VeilField;
 use crate::io::picture::Format;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -78,6 +79,64 @@ impl TryFrom<Value> for NoiseValue {
                 },
                 Ok,
             ),
+        }
+    }
+}
+
+/// `veil`: a number, an image, or how it is fitted.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(try_from = "Value")]
+pub(super) enum VeilValue {
+    Number(f64),
+    File(PathBuf),
+    Free,
+    Field(VeilField),
+    Auto,
+}
+
+impl Default for VeilValue {
+    fn default() -> Self {
+        Self::Number(0.0)
+    }
+}
+
+impl TryFrom<Value> for VeilValue {
+    type Error = String;
+
+    fn try_from(value: Value) -> std::result::Result<Self, String> {
+        match (number(&value), value.as_str()) {
+            (Some(v), _) => Ok(Self::Number(v)),
+            (_, Some("free")) => Ok(Self::Free),
+            (_, Some("auto")) => Ok(Self::Auto),
+            (_, Some("linear")) => Ok(Self::Field(VeilField::Linear)),
+            (_, Some("quadratic")) => Ok(Self::Field(VeilField::Quadratic)),
+            (_, Some(path)) => Ok(Self::File(path.into())),
+            _ => refused(
+                &value,
+                "a number, nor the name of an image file, nor \"free\", \"linear\", \"quadratic\" or \"auto\"",
+            ),
+        }
+    }
+}
+
+/// `blur_px`: a number, or how it is fitted.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(try_from = "Value")]
+pub(super) enum BlurValue {
+    Number(f64),
+    Free,
+    Auto,
+}
+
+impl TryFrom<Value> for BlurValue {
+    type Error = String;
+
+    fn try_from(value: Value) -> std::result::Result<Self, String> {
+        match (number(&value), value.as_str()) {
+            (Some(v), _) => Ok(Self::Number(v)),
+            (_, Some("free")) => Ok(Self::Free),
+            (_, Some("auto")) => Ok(Self::Auto),
+            _ => refused(&value, "a number, nor \"free\" or \"auto\""),
         }
     }
 }
