@@ -44,7 +44,10 @@ pub fn fit_channel(
         return Ok(fit);
     }
     let sigma_a = ParameterOptions { bounds: Some([0.0, most]), ..options.sigma_a };
-    fit_within(observations, &FitOptions { sigma_a, ..*options }, settings, progress)
+    let held = fit_within(observations, &FitOptions { sigma_a, ..*options }, settings, progress)?;
+    // At its bound it must not pass for determined.
+    let id = held.parameters.id(Quantity::SigmaA);
+    Ok(if held.covariance.status(id) == Status::Undetermined { held } else { fit })
 }
 
 /// The same, whatever becomes of sigma_a.

@@ -12,9 +12,9 @@ use narrowbeam::scene::{FitOptions, ObservedScene, read_truth};
 use narrowbeam::spread::Model;
 use std::path::{Path, PathBuf};
 
-/// Names and folders of the bundled datasets that small-angle theory describes.
+/// Names and folders of the bundled datasets that small-angle theory describes, and whose camera did nothing else.
 fn datasets() -> Vec<(String, PathBuf)> {
-    let beyond = |name: &str| ["wide-", "hg-"].iter().any(|prefix| name.starts_with(prefix));
+    let beyond = |name: &str| ["wide-", "hg-", "photo-"].iter().any(|prefix| name.starts_with(prefix));
     folders().into_iter().filter(|(name, _)| !beyond(name)).collect()
 }
 

@@ -19,6 +19,17 @@ use std::time::Instant;
 const MOST_STEPS: usize = 12;
 /// How far an observation lies off, px, or is turned or scaled at the corners of its view, before that is looked at first.
 const FAR_PX: f64 = 0.6;
+/// What a camera can be freed for, and what comes of a camera that is not free yet.
+const ANSWERED: [Cause; 8] = [
+    Cause::Shift,
+    Cause::Rotation,
+    Cause::Scale,
+    Cause::Blur,
+    Cause::GainField,
+    Cause::Veil,
+    Cause::OutsideLight,
+    Cause::Sampling,
+];
 /// Standard errors from 0 within which what was freed is nothing.
 const NOTHING: f64 = 2.5;
 
@@ -132,15 +143,20 @@ fn seen_first(fit: &SceneFit, scenes: &mut [ObservedScene], open: &[Open]) -> Ve
 
 /// Frees what answers the cause with the largest drop of chi²; `None` if nothing that is open does.
 fn asked(fit: &SceneFit, scenes: &mut [ObservedScene], open: &[Open]) -> Option<CameraStep> {
-    let mut findings: Vec<&Finding> =
-        fit.channels.iter().flat_map(|(_, channel)| &channel.findings).collect();
+    let all = fit.channels.iter().flat_map(|(_, channel)| &channel.findings);
+    let mut findings: Vec<&Finding> = all.filter(|finding| !finding.cause.is_of_noise()).collect();
     findings.sort_by(|a, b| b.delta_chi2.total_cmp(&a.delta_chi2));
+    let mut told = vec![true; scenes.len()];
     findings.into_iter().find_map(|finding| {
         let (scene, open) = (&mut scenes[finding.scene].observation, open[finding.scene]);
-        let causes = std::iter::once(finding.cause).chain(finding.alternatives.iter().copied());
-        let freed = causes.into_iter().find_map(|cause| Some((cause, freed(cause, scene, open)?)));
-        let (cause, key) = freed?;
-        Some(CameraStep::new(finding.scene, key, cause, Some(finding.delta_chi2)))
+        // What nothing answers is left for the user to see: something else that looks like it would only hide it.
+        told[finding.scene] &= ANSWERED.contains(&finding.cause)
+            && finding.alternatives.iter().all(|other| ANSWERED.contains(other));
+        if !told[finding.scene] {
+            return None;
+        }
+        let key = freed(finding.cause, scene, open)?;
+        Some(CameraStep::new(finding.scene, key, finding.cause, Some(finding.delta_chi2)))
     })
 }
 
