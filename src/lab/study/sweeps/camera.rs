@@ -165,7 +165,8 @@ mod tests {
                 .flat_map(|y| (0..31).map(move |x| (x, y)))
                 .map(|(x, y)| f64::from(spread.at(x, y)) * (x as f64 - 15.0).powi(2))
                 .sum();
-            assert!((variance - px * px).abs() < 1e-4, "{px}: {variance}");
+            // A narrow Gaussian has waves beyond half a cycle a pixel, which the image has not.
+            assert!((variance - px * px).abs() < 1e-3, "{px}: {variance}");
         }
     }
 }
