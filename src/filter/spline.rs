@@ -95,9 +95,9 @@ impl Taps {
         for degree in 1..TAPS {
             before = weights;
             let mut saved = 0.0;
-            for r in 0..degree {
-                let part = weights[r] / degree as f64;
-                weights[r] = saved + (r as f64 + 1.0 - t) * part;
+            for (r, weight) in weights.iter_mut().enumerate().take(degree) {
+                let part = *weight / degree as f64;
+                *weight = saved + (r as f64 + 1.0 - t) * part;
                 saved = (t + (degree - r) as f64 - 1.0) * part;
             }
             weights[degree] = saved;

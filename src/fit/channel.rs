@@ -27,7 +27,7 @@ const BELIEVED: f64 = 0.5;
 /// finite, those of [`Model::range`](crate::spread::Model::range).
 ///
 /// Where no exposure is known and the image leaves sigma_a undetermined, any value describes it nearly as well, and the best one may lie
-/// anywhere. A large one still bends the kernel and takes the others with it, so it is held to [`BELIEVED`] then.
+/// anywhere. A large one still bends the kernel and takes the others with it, so it is held to half an optical depth then.
 pub fn fit_channel(
     observations: &[Observation],
     options: &FitOptions,

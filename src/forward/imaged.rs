@@ -97,50 +97,43 @@ impl Recorder {
     }
 
     /// The images `light` as they are recorded; and of the first of them, if wanted, how it changes.
-    fn recorded(
-        &self,
-        light: &[&Image],
-        imaging: &Imaging,
-        changes: bool,
-    ) -> Result<(Vec<Image>, Vec<(Quantity, Image)>)> {
+    fn recorded(&self, light: &[&Image], imaging: &Imaging, with_changes: bool) -> Result<Recorded> {
         let bend = bend(imaging, self.view)?;
         let waves: Vec<Waves> = light.iter().map(|image| Waves::of(image)).collect();
         let mut splines: Vec<Spline> = waves.iter().map(|waves| waves.spline(imaging.blur_px2)).collect();
-        if changes && imaging.blurs {
+        let of_blur = with_changes && imaging.blurs;
+        if of_blur {
             splines.push(Waves::of(&waves[0].blur_slope(imaging.blur_px2)).spline(0.0));
         }
         let size = (self.view.width, self.view.height);
         let mut all = sampled(&splines, size, |i| self.place(&bend, i));
-        let of_blur = (changes && imaging.blurs).then(|| all.pop().expect("it was pushed").image);
-        let first = &all[0];
-        let wanted = if changes { Quantity::of_imaging(imaging) } else { Vec::new() };
-        let changes = wanted.into_iter().map(|quantity| {
-            let image = match quantity {
-                Quantity::Blur => self.with_gain(of_blur.clone().expect("the camera blurs"), imaging),
-                Quantity::Warp(parameter) => {
-                    let places = places(self.view);
-                    let moved = made(size, |i| {
-                        let [u, v] = bend.change(places.px(i), parameter);
-                        u * f64::from(first.slopes[0].data[i]) + v * f64::from(first.slopes[1].data[i])
-                    });
-                    self.with_gain(moved, imaging)
-                }
-                _ => {
-                    let term = |i: usize| {
-                        let [_, x, y, xx, xy, yy] = monomials(places(self.view).of(i));
-                        match quantity {
-                            Quantity::GainTerm(term) => [1.0, x, y, xx, xy, yy][term],
-                            _ => xx + yy,
-                        }
-                    };
-                    made(size, |i| term(i) * f64::from(first.image.data[i]))
-                }
-            };
-            (quantity, image)
-        });
-        let changes = changes.collect();
+        let of_blur = of_blur.then(|| all.pop().expect("it was pushed").image);
+        let wanted = if with_changes { Quantity::of_imaging(imaging) } else { Vec::new() };
+        let change = |quantity: Quantity| match (quantity, &of_blur) {
+            (Quantity::Blur, Some(image)) => (quantity, self.with_gain(image.clone(), imaging)),
+            _ => (quantity, self.change(quantity, &all[0], &bend, imaging)),
+        };
+        let changes = wanted.into_iter().map(change).collect();
         let images = all.into_iter().map(|Sampled { image, .. }| self.with_gain(image, imaging)).collect();
-        Ok((images, changes))
+        Ok(Recorded { images, changes })
+    }
+
+    /// How what is `seen` at the places that the pixels see changes with `quantity`, of the warp or the gain field.
+    fn change(&self, quantity: Quantity, seen: &Sampled, bend: &Bend, imaging: &Imaging) -> Image {
+        let (places, size) = (places(self.view), (self.view.width, self.view.height));
+        if let Quantity::Warp(parameter) = quantity {
+            let moved = made(size, |i| {
+                let [u, v] = bend.change(places.px(i), parameter);
+                u * f64::from(seen.slopes[0].data[i]) + v * f64::from(seen.slopes[1].data[i])
+            });
+            return self.with_gain(moved, imaging);
+        }
+        made(size, |i| {
+            let terms = places.monomials(i);
+            let term =
+                if let Quantity::GainTerm(term) = quantity { terms[term] } else { terms[3] + terms[5] };
+            term * f64::from(seen.image.data[i])
+        })
     }
 
     fn with_gain(&self, mut image: Image, imaging: &Imaging) -> Image {
@@ -152,14 +145,14 @@ impl Recorder {
 
     /// The light `image` as it is recorded.
     pub(super) fn image(&self, image: &Image, imaging: &Imaging) -> Result<Image> {
-        Ok(self.recorded(&[image], imaging, false)?.0.remove(0))
+        Ok(self.recorded(&[image], imaging, false)?.images.remove(0))
     }
 
     /// Light and derivatives as they are recorded, and the derivatives in what the camera does.
     fn rendering(&self, light: &Rendering, imaging: &Imaging) -> Result<Rendering> {
         let images: Vec<&Image> =
             std::iter::once(&light.image).chain(light.derivatives.iter().map(|(_, image)| image)).collect();
-        let (mut images, changes) = self.recorded(&images, imaging, true)?;
+        let Recorded { mut images, changes } = self.recorded(&images, imaging, true)?;
         let image = images.remove(0);
         let derivatives = light.derivatives.iter().map(|(quantity, _)| *quantity).zip(images);
         Ok(Rendering { image, derivatives: derivatives.chain(changes).collect() })
@@ -198,6 +191,12 @@ impl Recorder {
         });
         Ok((share.is_some() || missing).then_some(image))
     }
+}
+
+/// Images as they are recorded, and how the first of them changes.
+struct Recorded {
+    images: Vec<Image>,
+    changes: Vec<(Quantity, Image)>,
 }
 
 fn places(view: View) -> Places {

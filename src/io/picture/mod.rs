@@ -4,7 +4,7 @@
 //! turns into radiance; those of the others are radiance. Images are turned as their Exif orientation says. An alpha channel is
 //! dropped if every pixel is opaque; otherwise the file is refused, since what shines through is not known.
 //!
-//! Every file passes [`admit`] with the size that its header promises before anything of that size is allocated.
+//! Every file passes `admit` with the size that its header promises before anything of that size is allocated.
 
 mod exif;
 mod format;

@@ -8,7 +8,7 @@ use crate::io::{atomic, exr, png};
 use std::io;
 use std::path::Path;
 
-/// The names that [`write`] can write, for messages.
+/// The names that [`write()`] can write, for messages.
 pub const OUTPUTS: &str = ".exr, .tif, .pfm or .hdr (linear), or .png (an 8-bit picture)";
 
 /// Whether the name of `path` asks for a format that is written.
