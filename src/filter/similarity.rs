@@ -16,6 +16,8 @@ const TURN_STEP: f64 = 0.026;
 const SCALE_STEP: f64 = 0.02;
 const STEPS_ASIDE: i32 = 4;
 const HALVINGS: usize = 3;
+/// How much more the best of many turns must explain than none, to be more than chance or a texture that repeats itself.
+const BETTER: f64 = 1.15;
 /// Larger side of the images on which turn and scale are sought, px: a step moves their edges by two pixels.
 const SMALL: usize = 160;
 
@@ -46,7 +48,9 @@ pub fn coarse_similarity(object: &Image, observed: &Image, mask: Option<&Image>)
         steps = steps.map(|step| 0.5 * step);
         best = about(best, steps, 1);
     }
-    let warp = similarity(best[0], best[1]);
+    let [unturned, found] = [[0.0; 2], best].map(|[turn, scale]| tried(&similarity(turn, scale)));
+    let [turn, scale] = if found > BETTER * unturned { best } else { [0.0; 2] };
+    let warp = similarity(turn, scale);
     let whole = [Waves::of(observed).spline(0.0)];
     let shift_px = moved_back(observed, mask, &whole, &warp)
         .map_or([0.0; 2], |(observed, mask)| coarse_shift(object, &observed, Some(&mask)));

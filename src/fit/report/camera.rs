@@ -14,7 +14,8 @@ pub struct CameraStep {
     pub set: String,
     /// What the residual spoke of.
     pub cause: Cause,
-    /// Drop of chi² that it promised; null where the observation was seen to lie far off, or where what was freed came out as nothing.
+    /// Drop of chi² that it promised; null where the observation was seen to lie far off, where the noise of the clear image hides that
+    /// from the residual, or where what was freed came out as nothing.
     pub delta_chi2: Option<f64>,
     /// Reduced chi² of the fit that followed; null for the last one, which is the report's.
     pub reduced_chi2: Option<f64>,
@@ -32,7 +33,7 @@ impl CameraStep {
     pub fn line(&self) -> String {
         let why = match self.delta_chi2 {
             Some(drop) => format!("the residual shows {} (chi² would drop by {drop:.0})", self.cause),
-            None => format!("by what is seen of {}", self.cause),
+            None => format!("{} is looked at first", self.cause),
         };
         let after = self.reduced_chi2.map_or(String::new(), |chi2| format!(": reduced chi² {chi2:.4}"));
         format!("scene {}: {} set, {why}{after}", self.scene + 1, self.set)

@@ -30,6 +30,8 @@ const ANSWERED: [Cause; 8] = [
     Cause::OutsideLight,
     Cause::Sampling,
 ];
+/// Share of the mean square residual that may be left if an observation lies where it is seen.
+const SEEN: f64 = 0.7;
 /// Standard errors from 0 within which what was freed is nothing.
 const NOTHING: f64 = 2.5;
 
@@ -72,8 +74,10 @@ pub fn free_camera(
     if !open.iter().any(|open| open.any()) {
         return Ok(found);
     }
-    let mut steps = seen_first(&found, scenes, &open);
-    if !steps.is_empty() {
+    let mut steps = seen_first(&mut found, scenes, &open, &mut probe)?;
+    let untested = freed_untested(scenes, &open);
+    if !untested.is_empty() {
+        steps.extend(untested);
         found = probed(&mut steps, scenes, &mut probe)?;
     }
     loop {
@@ -114,31 +118,73 @@ fn probed(
     Ok(found)
 }
 
-/// Registers what lies far off where it is seen, if the residual is not noise.
-fn seen_first(fit: &SceneFit, scenes: &mut [ObservedScene], open: &[Open]) -> Vec<CameraStep> {
+/// Frees what the residual is not asked about, since the noise of a clear image would pass for it: a blur, and a gain that falls off. What
+/// comes out as nothing is taken back.
+fn freed_untested(scenes: &mut [ObservedScene], open: &[Open]) -> Vec<CameraStep> {
     let mut steps = Vec::new();
-    for (i, scene) in scenes.iter_mut().enumerate() {
-        let speaks = |finding: &Finding| finding.scene == i && !finding.cause.is_of_noise();
-        let is_odd =
-            |(_, channel): &(String, ChannelFit)| channel.findings.iter().any(speaks) || channel.lacks_fit();
-        if !open[i].registration || !fit.channels.iter().any(is_odd) {
-            continue;
+    for (i, scene) in scenes.iter_mut().enumerate().filter(|(_, scene)| scene.scene.object_noise.is_some()) {
+        for (cause, is_open) in [(Cause::Blur, open[i].blur), (Cause::GainField, open[i].gain_field)] {
+            let key = if is_open { freed(cause, &mut scene.observation, open[i]) } else { None };
+            steps.extend(key.map(|key| CameraStep::new(i, key, cause, None)));
         }
-        let clear = scene.scene.object[0].image.crop(scene.scene.view);
-        let (observed, mask) = (&scene.observation.image[0].image, scene.observation.mask.as_ref());
-        let (warp, _) = coarse_similarity(&clear, observed, mask);
-        let shift_px = coarse_shift(&clear, observed, mask);
-        let half_px = 0.5 * (clear.width as f64).hypot(clear.height as f64);
-        let bent = [WarpParameter::Rotation, WarpParameter::LogScale].map(|p| warp.get(p).abs() * half_px);
-        let (registration, cause) = match () {
-            () if bent[0].max(bent[1]) > 2.0 * FAR_PX => (Registration::Similarity, Cause::Rotation),
-            () if shift_px[0].hypot(shift_px[1]) > FAR_PX => (Registration::Shift, Cause::Shift),
-            () => continue,
-        };
-        scene.observation.registration = Choice::Is(registration);
-        steps.push(CameraStep::new(i, format!("registration = \"{}\"", registration.name()), cause, None));
     }
     steps
+}
+
+/// Mean square residual over all scenes and channels.
+fn mean_square(fit: &SceneFit) -> f64 {
+    let all = || fit.channels.iter().flat_map(|(_, channel)| &channel.exposures);
+    let pixels: usize = all().map(|e| e.pixels).sum();
+    all().map(|e| e.chi2 * e.noise * e.noise).sum::<f64>() / pixels.max(1) as f64
+}
+
+/// Registers what lies far off where it is seen, if the residual of `fit` is not noise; `fit` is the one that follows. What is seen may be
+/// wrong, where a texture repeats itself or another fault has made the residual: it counts if it explains a good part of that.
+fn seen_first(
+    fit: &mut SceneFit,
+    scenes: &mut [ObservedScene],
+    open: &[Open],
+    probe: &mut impl FnMut(&[ObservedScene]) -> Result<SceneFit>,
+) -> Result<Vec<CameraStep>> {
+    let mut steps = Vec::new();
+    for i in 0..scenes.len() {
+        for (registration, cause) in seen(fit, i, &scenes[i], open[i]) {
+            let before = scenes[i].observation.registration;
+            scenes[i].observation.registration = Choice::Is(registration);
+            let clock = Instant::now();
+            let found = probe(scenes)?;
+            if mean_square(&found) > SEEN * mean_square(fit) {
+                scenes[i].observation.registration = before;
+                continue;
+            }
+            *fit = found;
+            let key = format!("registration = \"{}\"", registration.name());
+            let mut step = CameraStep::new(i, key, cause, None);
+            (step.reduced_chi2, step.seconds) =
+                (Some(fit.report.fit.reduced_chi2), clock.elapsed().as_secs_f64());
+            steps.push(step);
+        }
+    }
+    Ok(steps)
+}
+
+/// The registrations for which scene number `i` looks to lie far off, the simplest first; none if the residual of `fit` is noise.
+fn seen(fit: &SceneFit, i: usize, scene: &ObservedScene, open: Open) -> Vec<(Registration, Cause)> {
+    let speaks = |finding: &Finding| finding.scene == i && !finding.cause.is_of_noise();
+    let is_odd =
+        |(_, channel): &(String, ChannelFit)| channel.findings.iter().any(speaks) || channel.lacks_fit();
+    if !open.registration || !fit.channels.iter().any(is_odd) {
+        return Vec::new();
+    }
+    let clear = scene.scene.object[0].image.crop(scene.scene.view);
+    let (observed, mask) = (&scene.observation.image[0].image, scene.observation.mask.as_ref());
+    let (warp, _) = coarse_similarity(&clear, observed, mask);
+    let shift_px = coarse_shift(&clear, observed, mask);
+    let half_px = 0.5 * (clear.width as f64).hypot(clear.height as f64);
+    let bent = [WarpParameter::Rotation, WarpParameter::LogScale].map(|p| warp.get(p).abs() * half_px);
+    let shifted = (shift_px[0].hypot(shift_px[1]) > FAR_PX).then_some((Registration::Shift, Cause::Shift));
+    let turned = (bent[0].max(bent[1]) > 2.0 * FAR_PX).then_some((Registration::Similarity, Cause::Rotation));
+    shifted.into_iter().chain(turned).collect()
 }
 
 /// Frees what answers the cause with the largest drop of chi²; `None` if nothing that is open does.
