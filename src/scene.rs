@@ -181,6 +181,26 @@ pub struct Observation {
 }
 
 impl Observation {
+    /// `image` from the file `path`: gain 1, no veil, noise not known, all pixels count, a camera that does nothing.
+    pub fn plain(path: PathBuf, image: Vec<Channel>) -> Self {
+        Self {
+            path,
+            image,
+            noise: None,
+            mask: None,
+            gain: Gain::Fixed(1.0),
+            gain_error: 0.0,
+            veil: Veil::Fixed(0.0),
+            hidden_share_max: HIDDEN_SHARE_MAX,
+            registration: Choice::Is(Registration::None),
+            blur: Choice::Is(Blur::default()),
+            gain_field: Choice::Is(GainField::None),
+            loss: Loss::Gaussian,
+            saturated_pixels: 0,
+            cautions: Vec::new(),
+        }
+    }
+
     /// Whether a fit of it has parameters beside those of the medium and what enters linearly.
     pub fn frees_camera(&self) -> bool {
         let (registration, gain_field) = (self.registration.least(), self.gain_field.least());

@@ -1,7 +1,7 @@
 //! The fit of one channel of any number of scenes.
 
 use super::Settings;
-use super::inference::{ChannelFit, LACKING, Status, infer};
+use super::inference::{ChannelFit, Status, infer};
 use super::observation::{Aligned, Observation, Observed};
 use super::optimise::{Begun, Driver, From, OTHER_WIDTHS, SceneModels, Task};
 use crate::error::Result;
@@ -91,7 +91,7 @@ fn fit_from<'x>(task: &Task<'x, '_>, from: From, gram: Option<&'x SceneModels<'x
 /// Whether a fit may have ended in a false minimum.
 fn is_doubtful(fit: &ChannelFit) -> bool {
     fit.reduced_chi2 > MISFIT
-        || fit.lack_of_fit > LACKING
+        || fit.lacks_fit()
         || fit.parameters.of_medium().any(|(_, p)| p.is_logarithmic() && p.is_at_bound())
 }
 

@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::filter::spline::{Sampled, Spline, Waves, sampled};
 use crate::filter::{Coverage, Target};
 use crate::image::{Image, View};
-use crate::imaging::{Bend, Imaging, Places, monomials};
+use crate::imaging::{Bend, Imaging, Places};
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -36,16 +36,14 @@ impl Recorder {
         let object = [target.radiance.width, target.radiance.height];
         let view = target.view;
         let bend = bend(imaging, view)?;
-        let corners = [0, view.width - 1, view.pixels() - view.width, view.pixels() - 1];
         let places = places(view);
-        let moved = corners.map(|corner| {
+        let moved = corners(view).map(|corner| {
             let [seen, clear] = [places.px(corner), bend.clear_place(places.px(corner))];
             (seen[0] - clear[0]).abs().max((seen[1] - clear[1]).abs())
         });
         let warped = moved.into_iter().fold(0.0, f64::max);
-        let reach = if warped > 0.0
-            || !Quantity::of_imaging(imaging).iter().all(|q| !matches!(q, Quantity::Warp(_)))
-        {
+        let may_warp = Quantity::of_imaging(imaging).iter().any(|q| matches!(q, Quantity::Warp(_)));
+        let reach = if warped > 0.0 || may_warp {
             (warped + ROOM_PX + SUPPORT_PX).ceil()
         } else {
             // The blur alone takes light from beside the view.
@@ -77,15 +75,14 @@ impl Recorder {
 
     /// The gain at the pixel `index`, over that in the middle.
     fn gain(&self, imaging: &Imaging, index: usize) -> f64 {
-        let terms = monomials(places(self.view).of(index));
+        let terms = places(self.view).monomials(index);
         1.0 + terms.iter().zip(imaging.gain_terms).map(|(m, c)| m * c).sum::<f64>()
     }
 
     /// How far the rendered part serves `imaging` too.
     fn serves(&self, imaging: &Imaging) -> bool {
         let Ok(bend) = bend(imaging, self.view) else { return false };
-        let corners = [0, self.view.width - 1, self.view.pixels() - self.view.width, self.view.pixels() - 1];
-        corners.into_iter().all(|corner| {
+        corners(self.view).into_iter().all(|corner| {
             let [x, y] = self.place(&bend, corner);
             let inside = |place: f64, begin: usize, size: usize, whole: usize| {
                 (begin == 0 || place >= SUPPORT_PX)
@@ -197,6 +194,11 @@ impl Recorder {
 struct Recorded {
     images: Vec<Image>,
     changes: Vec<(Quantity, Image)>,
+}
+
+/// Indices of the pixels in the corners of `view`.
+fn corners(view: View) -> [usize; 4] {
+    [0, view.width - 1, view.pixels() - view.width, view.pixels() - 1]
 }
 
 fn places(view: View) -> Places {

@@ -9,11 +9,10 @@ use narrowbeam::fit::{SEQUENCE, SceneFit, Settings};
 use narrowbeam::forward::Quantity;
 use narrowbeam::geometry::Geometry;
 use narrowbeam::image::{Border, Channel, Image, Sampling, View};
-use narrowbeam::imaging::{Blur, Choice, GainField, Registration};
 use narrowbeam::medium::Medium;
 use narrowbeam::phase::{PhaseFunction, b_of_spread_angle};
 use narrowbeam::scene::{
-    FitOptions, Gain, Loss, Noise, Observation, ObservedScene, ParameterOptions, PartialMedium, Scene, Veil,
+    FitOptions, Noise, Observation, ObservedScene, ParameterOptions, PartialMedium, Scene,
 };
 use narrowbeam::spread::Model;
 use std::path::PathBuf;
@@ -80,20 +79,8 @@ impl Regime {
             fit: vec![self.options()],
         };
         let observation = Observation {
-            path: PathBuf::from("observed"),
-            image: gray(image),
             noise: Some(Noise::Level(self.noise)),
-            mask: None,
-            gain: Gain::Fixed(1.0),
-            veil: Veil::Fixed(0.0),
-            gain_error: 0.0,
-            hidden_share_max: 0.01,
-            registration: Choice::Is(Registration::None),
-            blur: Choice::Is(Blur::default()),
-            gain_field: Choice::Is(GainField::None),
-            loss: Loss::Gaussian,
-            saturated_pixels: 0,
-            cautions: Vec::new(),
+            ..Observation::plain(PathBuf::from("observed"), gray(image))
         };
         ObservedScene { scene, observation }
     }

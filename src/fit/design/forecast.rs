@@ -9,13 +9,10 @@ use crate::filter::{Filter, Target};
 use crate::fit::Settings;
 use crate::fit::scenes::{SceneFit, fit_scenes};
 use crate::image::{Channel, Sampling};
-use crate::imaging::{Blur, Choice, GainField, Registration, VeilField};
+use crate::imaging::VeilField;
 use crate::medium::Medium;
 use crate::phase::PhaseFunction;
-use crate::scene::{
-    FitOptions, Gain, HIDDEN_SHARE_MAX, Loss, Noise, Observation, ObservedScene, ParameterOptions, Scene,
-    Veil,
-};
+use crate::scene::{FitOptions, Gain, Noise, Observation, ObservedScene, ParameterOptions, Scene, Veil};
 use crate::spread::Model;
 
 /// How the planned images will be taken.
@@ -63,20 +60,10 @@ impl Plan {
     /// `scene` seen as `image`, as planned.
     fn observation(&self, scene: &Scene, image: Vec<Channel>) -> Observation {
         Observation {
-            path: scene.path.clone(),
-            image,
             noise: Some(Noise::Level(self.noise)),
-            mask: None,
             gain: if self.free_gain { Gain::Free } else { Gain::Fixed(1.0) },
             veil: if self.free_veil { Veil::Free(VeilField::Constant) } else { Veil::Fixed(0.0) },
-            gain_error: 0.0,
-            hidden_share_max: HIDDEN_SHARE_MAX,
-            registration: Choice::Is(Registration::None),
-            blur: Choice::Is(Blur::default()),
-            gain_field: Choice::Is(GainField::None),
-            loss: Loss::Gaussian,
-            saturated_pixels: 0,
-            cautions: Vec::new(),
+            ..Observation::plain(scene.path.clone(), image)
         }
     }
 }

@@ -25,7 +25,6 @@ pub use model_error::ModelError;
 pub(super) use covariance::Z95;
 pub(super) use displacement::Displacement;
 pub(super) use error_images::ErrorKind;
-pub(super) use lack_of_fit::LACKING;
 
 use super::observation::{Observation, Observed};
 use super::optimise::{Optimum, Task};
@@ -37,7 +36,7 @@ use crate::spread::Model;
 use diagnosis::Diagnosis;
 use exposure::exposures;
 use identifiability::determined;
-use lack_of_fit::lack_of_fit;
+use lack_of_fit::{LACKING, lack_of_fit};
 use nalgebra::DVector;
 
 /// What `optimum` says of the medium of `task`.

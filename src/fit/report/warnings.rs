@@ -5,7 +5,7 @@ use super::number::significant;
 use super::{Regime, Severity, Warning, WarningCode};
 use crate::filter::CUT;
 use crate::fit::channel::MISFIT;
-use crate::fit::inference::{ChannelFit, LACKING, Status};
+use crate::fit::inference::{ChannelFit, Status};
 use crate::forward::Quantity;
 use crate::spread::{Model, SMALL_ANGLE_LIMIT, small_angle_error};
 
@@ -107,7 +107,7 @@ fn misfit(&Case { suffix, fit, model }: &Case) -> Option<Warning> {
             causes(fit, Severity::Note).map_or_else(String::new, |causes| format!("; {causes}"))
         )
     };
-    let is_noise = fit.lack_of_fit <= LACKING;
+    let is_noise = !fit.lacks_fit();
     let severity = if fit.misfit > CONTRADICTED && !is_noise { Severity::Invalid } else { Severity::Caution };
     (fit.misfit > MISFIT).then(|| Warning::new(WarningCode::Misfit, message()).of(severity))
 }
@@ -132,7 +132,7 @@ fn structure(&Case { suffix, fit, .. }: &Case) -> Option<Warning> {
         )
     };
     let unexplained = fit.findings.iter().all(|finding| finding.cause.is_of_noise());
-    (fit.lack_of_fit > LACKING && unexplained).then(|| Warning::new(WarningCode::Structure, message()))
+    (fit.lacks_fit() && unexplained).then(|| Warning::new(WarningCode::Structure, message()))
 }
 
 /// The causes that are at least so serious, in words; `None` if there are none.

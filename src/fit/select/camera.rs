@@ -80,26 +80,23 @@ pub fn free_camera(
         steps.extend(untested);
         found = probed(&mut steps, scenes, &mut probe)?;
     }
+    // Whether `found` is a fit by the model that is taken, of the scenes as they are now.
+    let mut is_whole = steps.is_empty();
     loop {
-        let before = steps.len();
         while steps.len() < MOST_STEPS
             && let Some(step) = asked(&found, scenes, &open)
         {
             steps.push(step);
             found = probed(&mut steps, scenes, &mut probe)?;
+            is_whole = false;
         }
-        if steps.is_empty() {
-            return Ok(found);
-        }
-        // The last fit, by the model that is taken, may see more.
-        if steps.len() > before || before > 0 {
-            steps.extend(taken_back(&found, scenes, &mut open));
-            found = fit(scenes)?;
-        }
-        if steps.len() == before || steps.len() >= MOST_STEPS {
+        if is_whole {
             found.report.camera = steps;
             return Ok(found);
         }
+        steps.extend(taken_back(&found, scenes, &mut open));
+        found = fit(scenes)?;
+        is_whole = true;
     }
 }
 

@@ -5,12 +5,9 @@ use crate::filter::{Backend, Optics, Target};
 use crate::forward::{Quantity, State};
 use crate::geometry::Geometry;
 use crate::image::{Border, Channel, Image, Sampling, View};
-use crate::imaging::{Blur, Choice, GainField, Registration};
 use crate::medium::Medium;
 use crate::phase::PhaseFunction;
-use crate::scene::{
-    FitOptions, Gain, HIDDEN_SHARE_MAX, Loss, Noise, Observation, ObservedScene, PartialMedium, Scene, Veil,
-};
+use crate::scene::{FitOptions, Noise, Observation, ObservedScene, PartialMedium, Scene};
 use crate::spread::Model;
 use crate::trace::{ImageConfig, TracedImage, trace_image};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -161,20 +158,8 @@ impl Setting {
             fit: vec![FitOptions { family: self.medium.phase().family(), ..FitOptions::default() }],
         };
         let observation = Observation {
-            path: PathBuf::from("plane"),
-            image: gray(observed),
             noise: noise.map(Noise::Level),
-            mask: None,
-            gain: Gain::Fixed(1.0),
-            veil: Veil::Fixed(0.0),
-            gain_error: 0.0,
-            hidden_share_max: HIDDEN_SHARE_MAX,
-            registration: Choice::Is(Registration::None),
-            blur: Choice::Is(Blur::default()),
-            gain_field: Choice::Is(GainField::None),
-            loss: Loss::Gaussian,
-            saturated_pixels: 0,
-            cautions: Vec::new(),
+            ..Observation::plain(PathBuf::from("plane"), gray(observed))
         };
         Ok(ObservedScene { scene, observation })
     }
